@@ -1,0 +1,1 @@
+"""Navigation functions: obstacles, potential, flow and its critical points (pure)."""

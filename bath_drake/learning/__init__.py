@@ -1,0 +1,1 @@
+"""From canonical strokes to a skill (pure)."""

@@ -1,0 +1,1 @@
+"""From a depth image to the canonical map and the surface (pure)."""

@@ -1,0 +1,1 @@
+"""One Drake LeafSystem a file; the mathematics is in the pure packages."""

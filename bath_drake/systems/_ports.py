@@ -1,0 +1,45 @@
+"""Typed access to ports.
+
+Drake lets any Python object through a ``Value[object]`` port and its stubs
+type ``Eval`` as object; these helpers check, and name the port in the error.
+"""
+
+from typing import Any, TypeVar
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, InputPort
+
+from bath_drake.notation import FloatArray
+
+T = TypeVar("T")
+
+
+def _eval(port: InputPort, context: Context) -> Any:
+    if not port.HasValue(context):
+        raise RuntimeError(f"{_describe(port)} is not connected")
+    return port.Eval(context)
+
+
+def _describe(port: InputPort) -> str:
+    system: Any = port.get_system()
+    return f"input port '{port.get_name()}' of {system.get_name()}"
+
+
+def eval_vector(port: InputPort, context: Context) -> FloatArray:
+    """Returns the port's vector value, shape (size,)."""
+    return np.asarray(_eval(port, context), dtype=np.float64)
+
+
+def eval_value(port: InputPort, context: Context, kind: type[T]) -> T:
+    """Returns the port's abstract value; TypeError unless it is a `kind`."""
+    value = _eval(port, context)
+    if not isinstance(value, kind):
+        raise TypeError(
+            f"{_describe(port)} takes {kind.__name__}, got {type(value).__name__}"
+        )
+    return value
+
+
+def set_vector(output: BasicVector, value: Any) -> None:
+    """Writes `value`, shape (size,), into `output`; a wrong size raises."""
+    output.SetFromVector(value)
