@@ -1,0 +1,46 @@
+# `make demo` and `make test` set everything up on a machine that has only
+# python3 (3.11 or newer), make and git. PYTHON=/path/to/python picks another.
+PYTHON ?= python3
+# What `make test` leaves out; `make test MARKERS=` runs everything.
+MARKERS ?= not slow
+
+ifeq ($(PYTHON),python3)
+VENV := .venv
+else
+VENV := .venv-$(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+endif
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: demo test lint setup lock clean
+
+demo: $(READY)
+	$(BIN)/bath-drake demo
+
+test: lint
+	$(BIN)/python -m pytest -m "$(MARKERS)"
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+setup: $(READY)
+
+# The doctor needs nothing but the standard library: it installs missing system
+# libraries when it may, and otherwise prints the one line to run and exits 2.
+$(READY): requirements.lock pyproject.toml
+	$(PYTHON) bath_drake/doctor.py --before-installation
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $(READY)
+
+# Locks every dependency, with hashes and without naming a host.
+lock:
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile --universal --python-version 3.11 --group dev pyproject.toml \
+	  --upgrade --generate-hashes --no-emit-index-url --no-header --quiet -o requirements.lock
+
+clean:
+	rm -rf .venv .venv-* runs dist build
