@@ -31,8 +31,8 @@ INTERRUPTED = 130
 class _Parser(argparse.ArgumentParser):
     """A parser that takes -9.3e-05 for a number and errs on one line."""
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        super().__init__(*args, allow_abbrev=False, **kwargs)
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**{"allow_abbrev": False, **kwargs})
         # argparse (before 3.14) takes a number in exponent form for an option.
         self._negative_number_matcher = re.compile(
             r"^-(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$"
