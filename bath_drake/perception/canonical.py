@@ -1,0 +1,203 @@
+"""The canonical map: a person's back onto the square [-1, 1]^2 (paper, IV-B).
+
+The back's plane P is that of the principal axes of its surface; the box of the
+1-99 % extents in it is what canonical space N scales to the square. So a point
+keeps its place relative to the body, whatever the body's size and pose.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.notation import FloatArray
+from bath_drake.perception.camera import PinholeCamera
+
+# Fewer points than this carry no extents worth the name.
+MIN_POINTS = 50
+
+# Where the variances along the two in-plane principal axes are within the first
+# ratio their directions are noise and gravity decides; above the second the
+# principal axes alone decide; between the two the angle is blended.
+SQUARE_RATIO = 1.15
+OBLONG_RATIO = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class CanonicalMap:
+    """The similarity-free map between W and N through the back's plane P.
+
+    Attributes:
+        R_WP: (3, 3) rotation: x to the person's right, y to the head, z outward.
+        p_WP: (3,) centre of the back's box, metres.
+        half_extents: (2,) half the box along x and y, metres.
+
+    Raises:
+        ValueError: If shapes, the rotation or the extents are not as said.
+    """
+
+    R_WP: FloatArray
+    p_WP: FloatArray
+    half_extents: FloatArray
+
+    def __post_init__(self) -> None:
+        """Copies the arrays read-only and checks them."""
+        for name, shape in (("R_WP", (3, 3)), ("p_WP", (3,)), ("half_extents", (2,))):
+            value = np.array(getattr(self, name), dtype=np.float64)
+            if value.shape != shape or not np.isfinite(value).all():
+                raise ValueError(f"{name} must be finite with shape {shape}")
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+        # Rotations that went through files carry some 1e-7 of rounding.
+        if not np.allclose(self.R_WP @ self.R_WP.T, np.eye(3), atol=1e-6):
+            raise ValueError("R_WP must be orthonormal")
+        if not np.linalg.det(self.R_WP) > 0.0:
+            raise ValueError("R_WP must be right-handed")
+        if not (self.half_extents > 0.0).all():
+            raise ValueError(f"half_extents must be positive, got {self.half_extents}")
+
+    @property
+    def normal_W(self) -> FloatArray:
+        """The plane's outward normal in W, (3,)."""
+        return self.R_WP[:, 2]
+
+    def plane_from_world(self, p_W: FloatArray) -> FloatArray:
+        """Returns points of W (..., 3) in P (..., 3), metres, height last."""
+        return (np.asarray(p_W, dtype=np.float64) - self.p_WP) @ self.R_WP
+
+    def canonical_from_world(self, p_W: FloatArray) -> FloatArray:
+        """Projects points of W (..., 3) orthogonally onto the plane: N (..., 2)."""
+        return self.plane_from_world(p_W)[..., :2] / self.half_extents
+
+    def world_from_canonical(self, p_N: FloatArray) -> FloatArray:
+        """Returns the plane's points in W, (..., 3), of canonical ones (..., 2)."""
+        p_P = np.asarray(p_N, dtype=np.float64) * self.half_extents
+        return self.p_WP + p_P @ self.R_WP[:, :2].T
+
+    def ellipse_to_canonical(self, ellipse: FloatArray) -> FloatArray:
+        """Maps an ellipse of the back's plane into N; exact.
+
+        Args:
+            ellipse: (5,) centre x, y, semi-axes a, b (metres in P) and angle.
+
+        Returns:
+            (5,) the same in N, the semi-axes in falling order. Anisotropic
+            scaling takes the unit circle's image under A to that under D A, so
+            the singular value decomposition of a 2 x 2 matrix is the answer.
+        """
+        return _scale_ellipse(ellipse, 1.0 / self.half_extents)
+
+    def ellipse_from_canonical(self, ellipse: FloatArray) -> FloatArray:
+        """Maps an ellipse row (5,) of N into the back's plane, metres."""
+        return _scale_ellipse(ellipse, self.half_extents)
+
+    def image_transform(
+        self, camera: PinholeCamera, R_WC: FloatArray, p_WC: FloatArray
+    ) -> FloatArray:
+        """Returns T_IN (3, 3): p_I ~ T_IN (x, y, 1), for points of the plane.
+
+        Args:
+            camera: The camera that takes the image.
+            R_WC: (3, 3) orientation of the camera in W.
+            p_WC: (3,) position of the camera in W, metres.
+        """
+        R_CW = np.asarray(R_WC, dtype=np.float64).T
+        p_CP = R_CW @ (self.p_WP - np.asarray(p_WC, dtype=np.float64))
+        axes = R_CW @ self.R_WP[:, :2] * self.half_extents
+        return camera.intrinsics @ np.column_stack([axes, p_CP])
+
+
+def _scale_ellipse(ellipse: FloatArray, scales: FloatArray) -> FloatArray:
+    x, y, a, b, angle = np.asarray(ellipse, dtype=np.float64)
+    c, s = np.cos(angle), np.sin(angle)
+    shape = scales[:, None] * np.array([[c * a, -s * b], [s * a, c * b]])
+    axes, lengths, _ = np.linalg.svd(shape)
+    turned = np.arctan2(axes[1, 0], axes[0, 0])
+    return np.array([x * scales[0], y * scales[1], lengths[0], lengths[1], turned])
+
+
+def apply_homography(T: FloatArray, points: FloatArray) -> FloatArray:
+    """Applies a (3, 3) homography to points (..., 2)."""
+    points = np.asarray(points, dtype=np.float64)
+    mapped = points @ T[:, :2].T + T[:, 2]
+    return np.asarray(mapped[..., :2] / mapped[..., 2:])
+
+
+def fit_canonical_map(
+    points_W: FloatArray,
+    up_W: FloatArray,
+    eye_W: FloatArray,
+    weights: FloatArray | None = None,
+    trim: float = 0.01,
+) -> CanonicalMap:
+    """Fits the back's plane, axes and extents by principal axes.
+
+    Args:
+        points_W: (n, 3) points of the back, metres.
+        up_W: (3,) up; the y axis takes its side.
+        eye_W: (3,) where the camera is, metres; the normal points towards it.
+        weights: (n,) surface each point stands for (any unit); default equal. An
+            oblique camera crowds its pixels where the skin faces it, and only
+            with weights are axes and extents those of the surface.
+        trim: Share of the surface left out at each end of each axis.
+
+    Returns:
+        The map. The y axis is the in-plane principal axis nearest to `up_W`, or
+        a blend of it with `up_W` where the back is nearly square (see
+        `SQUARE_RATIO`).
+
+    Raises:
+        ValueError: If there are too few points or they span no plane.
+    """
+    points_W = np.asarray(points_W, dtype=np.float64)
+    if points_W.ndim != 2 or points_W.shape[1] != 3 or len(points_W) < MIN_POINTS:
+        raise ValueError(
+            f"at least {MIN_POINTS} points of shape (3,) are needed, "
+            f"got shape {points_W.shape}"
+        )
+    if weights is None:
+        weights = np.ones(len(points_W))
+    weights = np.asarray(weights, dtype=np.float64) / np.sum(weights)
+    mean = weights @ points_W
+    offsets = points_W - mean
+    variances, axes = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)
+    if not variances[1] > 1e-8:
+        raise ValueError("the points lie on a line: they span no plane")
+    z = axes[:, 0]
+    z = z if z @ (np.asarray(eye_W, dtype=np.float64) - mean) >= 0.0 else -z
+    y = _up_axis(axes[:, 2], np.sqrt(variances[2] / variances[1]), z, up_W)
+    R_WP = np.column_stack([np.cross(y, z), y, z])
+    p_P = offsets @ R_WP
+    low, high = np.array(
+        [_weighted_quantiles(p_P[:, k], weights, (trim, 1.0 - trim)) for k in (0, 1)]
+    ).T
+    centre = np.append((low + high) / 2.0, 0.0)
+    return CanonicalMap(R_WP, mean + R_WP @ centre, (high - low) / 2.0)
+
+
+def _up_axis(
+    major: FloatArray, ratio: float, normal: FloatArray, up_W: FloatArray
+) -> FloatArray:
+    """Chooses the in-plane y axis; `ratio` of the two standard deviations."""
+    up = np.asarray(up_W, dtype=np.float64)
+    up = up - (up @ normal) * normal
+    length = np.linalg.norm(up)
+    if not length > 1e-6:
+        raise ValueError("the back's plane is level: up has no direction in it")
+    up /= length
+    right = np.cross(up, normal)
+    # Angle from up to the major axis; axes are lines and come in a cross, so the
+    # nearest arm of the cross is within 45 degrees.
+    angle = np.arctan2(major @ -right, major @ up)
+    angle = (angle + np.pi / 4.0) % (np.pi / 2.0) - np.pi / 4.0
+    share = np.clip((ratio**2 - SQUARE_RATIO) / (OBLONG_RATIO - SQUARE_RATIO), 0, 1)
+    angle *= share * share * (3.0 - 2.0 * share)
+    return np.asarray(np.cos(angle) * up - np.sin(angle) * right)
+
+
+def _weighted_quantiles(
+    values: FloatArray, weights: FloatArray, shares: tuple[float, float]
+) -> FloatArray:
+    order = np.argsort(values)
+    # Each point's weight is centred on it, so equal weights give the usual ones.
+    cumulated = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return np.interp(shares, cumulated, values[order])
