@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
+from bath_drake.perception import morphology
+from bath_drake.perception.pixels import behind_jump, inside_box
 
 
 def _empty(*shape: int) -> FloatArray:
@@ -48,3 +51,146 @@ class BodyObservation:
     found: bool = False
     R_WC: FloatArray = field(default_factory=lambda: np.eye(3))
     p_WC: FloatArray = field(default_factory=lambda: _empty(3))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SegmentationConfig:
+    """What the classic segmenter takes for a back; lengths in metres.
+
+    Attributes:
+        box_low_W: (3,) lower corner of the workspace box in W.
+        box_high_W: (3,) its upper corner.
+        hue_limit: Largest distance of skin's hue from red, degrees.
+        min_saturation: Least saturation of skin, 0 to 1; walls have less.
+        min_value: Least brightness of skin, 0 to 1.
+        jump: Neighbouring pixels further apart do not touch.
+        gap_radius: Gaps in the skin that a disc of this radius cannot enter are
+            closed.
+        hole_area: Holes up to this area, such as wounds, belong to the back, m^2.
+        torso_radius: The torso is what a disc of this radius covers.
+        min_pixels: Fewer visible pixels are no back.
+        min_fraction: A smaller share of the largest area seen is no back.
+
+    Raises:
+        ValueError: If the box is empty or a number is not in its range.
+    """
+
+    box_low_W: FloatArray
+    box_high_W: FloatArray
+    hue_limit: float = 50.0
+    min_saturation: float = 0.06
+    min_value: float = 0.08
+    jump: float = 0.03
+    gap_radius: float = 0.02
+    hole_area: float = 0.02
+    torso_radius: float = 0.075
+    min_pixels: int = 400
+    min_fraction: float = 0.3
+
+    def __post_init__(self) -> None:
+        """Copies the box read-only and checks all numbers."""
+        for name in ("box_low_W", "box_high_W"):
+            corner = np.array(getattr(self, name), dtype=np.float64)
+            if corner.shape != (3,) or not np.isfinite(corner).all():
+                raise ValueError(f"{name} must be three finite numbers, got {corner}")
+            corner.setflags(write=False)
+            object.__setattr__(self, name, corner)
+        if not (self.box_low_W < self.box_high_W).all():
+            raise ValueError("the workspace box is empty: box_low_W >= box_high_W")
+        for name in ("jump", "torso_radius", "min_pixels"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        for name in ("gap_radius", "hole_area"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        for name in ("min_saturation", "min_value", "min_fraction"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise ValueError(f"{name} must be in 0..1, got {getattr(self, name)}")
+
+
+def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
+    """Returns which pixels (H, W) of an RGB image have the colour of skin.
+
+    Skin of every tone is orange to red in hue and grows more saturated as it
+    grows darker; hue and saturation do not change with the brightness of the
+    light, which is why no bound on brightness is needed but the one that keeps
+    black, whose hue is noise, out.
+    """
+    hsv = cv2.cvtColor(np.ascontiguousarray(colour[..., :3]), cv2.COLOR_RGB2HSV)
+    # OpenCV halves the hue's degrees to fit a byte.
+    limit = round(config.hue_limit / 2.0)
+    low_s, low_v = round(config.min_saturation * 255), round(config.min_value * 255)
+    orange = cv2.inRange(hsv, np.array([0, low_s, low_v]), np.array([limit, 255, 255]))
+    crimson = cv2.inRange(
+        hsv, np.array([180 - limit // 2, low_s, low_v]), np.array([180, 255, 255])
+    )
+    return np.asarray((orange | crimson).astype(bool))
+
+
+def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:
+    """Returns the metres between neighbouring columns of a mask, the median."""
+    pair = mask[:, 1:] & mask[:, :-1]
+    if not pair.any():
+        return float("nan")
+    steps = points[:, 1:][pair] - points[:, :-1][pair]
+    return float(np.median(np.sqrt((steps * steps).sum(axis=1))))
+
+
+def segment_back(
+    colour: ByteArray,
+    points_W: FloatArray,
+    robot_mask: BoolArray,
+    config: SegmentationConfig,
+) -> tuple[BoolArray, BoolArray]:
+    """Finds the back: workspace box, skin colour, largest component, torso.
+
+    Args:
+        colour: (H, W, 3 or 4), RGB.
+        points_W: (H, W, 3), metres; NaN where nothing was measured.
+        robot_mask: (H, W) pixels that may show the robot.
+        config: What to take for a back.
+
+    Returns:
+        The visible back and the completed one, (H, W) each. The first holds no
+        pixel of the robot; the second adds those of them that lie in the convex
+        hull of the first. Both are empty if there is no torso.
+    """
+    nothing = np.zeros(robot_mask.shape, dtype=bool)
+    boxed = inside_box(points_W, config.box_low_W, config.box_high_W) & ~robot_mask
+    jumps = behind_jump(points_W, boxed, config.jump) & ~morphology.dilate(
+        robot_mask, 1.5
+    )
+    solid = boxed & ~jumps
+    skin = solid & skin_mask(colour, config)
+    skin = morphology.opened(skin, 1.0)
+    pitch = pixel_pitch(points_W, skin)
+    if not pitch > 0.0:
+        return nothing, nothing
+    # The robot in front of the skin must not cut it in two.
+    skin = skin | (robot_mask & morphology.convex_hull(skin))
+    skin = skin | (morphology.closed(skin, config.gap_radius / pitch) & solid)
+    skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
+    torso = morphology.opened(skin, config.torso_radius / pitch)
+    torso = morphology.largest_component(torso)
+    visible = torso & ~robot_mask
+    if not visible.any():
+        return nothing, nothing
+    return visible, visible | (robot_mask & morphology.convex_hull(visible))
+
+
+def _with_small_holes(
+    mask: BoolArray, solid: BoolArray, max_pixels: float
+) -> BoolArray:
+    """Adds the holes that lie on the surface and are no larger than allowed."""
+    holes = morphology.without_holes(mask) & ~mask
+    if not holes.any():
+        return mask
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(
+        holes.view(np.uint8), connectivity=4
+    )
+    on_surface = np.bincount(labels[solid], minlength=len(stats))
+    sizes = stats[:, cv2.CC_STAT_AREA]
+    # A gap between arm and flank shows the room behind: no solid surface there.
+    keep = (sizes <= max_pixels) & (on_surface >= 0.9 * sizes)
+    keep[0] = False
+    return np.asarray(mask | keep[labels])

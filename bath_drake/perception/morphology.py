@@ -1,0 +1,64 @@
+"""Operations on masks with discs of any size, at a cost that does not grow."""
+
+import cv2
+import numpy as np
+
+from bath_drake.notation import BoolArray, ByteArray
+
+
+def _bytes(mask: BoolArray) -> ByteArray:
+    return np.ascontiguousarray(mask).view(np.uint8)
+
+
+def erode(mask: BoolArray, radius: float) -> BoolArray:
+    """Returns pixels further than `radius` pixels from the outside."""
+    distance = cv2.distanceTransform(_bytes(mask), cv2.DIST_L2, cv2.DIST_MASK_5)
+    return np.asarray(distance > radius)
+
+
+def dilate(mask: BoolArray, radius: float) -> BoolArray:
+    """Returns pixels within `radius` pixels of the mask."""
+    if not mask.any():
+        return mask.copy()
+    distance = cv2.distanceTransform(_bytes(~mask), cv2.DIST_L2, cv2.DIST_MASK_5)
+    return np.asarray(distance <= radius)
+
+
+def opened(mask: BoolArray, radius: float) -> BoolArray:
+    """Returns what a disc of `radius` pixels can cover inside the mask."""
+    return dilate(erode(mask, radius), radius) & mask
+
+
+def closed(mask: BoolArray, radius: float) -> BoolArray:
+    """Returns the mask and the gaps a disc of `radius` pixels cannot enter."""
+    return ~opened(~mask, radius) | mask
+
+
+def largest_component(mask: BoolArray) -> BoolArray:
+    """Returns the largest 4-connected component; an empty mask stays empty."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(
+        _bytes(mask), connectivity=4
+    )
+    if count < 2:
+        return mask.copy()
+    largest = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+    return np.asarray(labels == largest)
+
+
+def without_holes(mask: BoolArray) -> BoolArray:
+    """Returns the mask with everything it encloses."""
+    outlines, _ = cv2.findContours(
+        _bytes(mask), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE
+    )
+    canvas = np.zeros(mask.shape, dtype=np.uint8)
+    cv2.drawContours(canvas, outlines, -1, 1, thickness=cv2.FILLED)
+    return canvas.astype(bool)
+
+
+def convex_hull(mask: BoolArray) -> BoolArray:
+    """Returns the convex hull of the mask's pixels."""
+    canvas = np.zeros(mask.shape, dtype=np.uint8)
+    pixels = cv2.findNonZero(_bytes(mask))
+    if pixels is not None:
+        cv2.fillConvexPoly(canvas, cv2.convexHull(pixels), 1)
+    return canvas.astype(bool)

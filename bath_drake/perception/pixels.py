@@ -1,0 +1,135 @@
+"""Per-pixel geometry of an organised point image, compiled."""
+
+import numpy as np
+from numba import njit
+
+from bath_drake.notation import BoolArray, FloatArray
+
+# Skin seen at a flatter angle than this counts as seen at it (cosine of 80
+# degrees): a grazing pixel must not outweigh a hundred others.
+MIN_COSINE = 0.17
+
+
+@njit(cache=True)
+def points_in_world(
+    depth: FloatArray, rays: FloatArray, R_WC: FloatArray, p_WC: FloatArray
+) -> FloatArray:
+    """Returns the points a depth image shows, in W.
+
+    Args:
+        depth: (H, W), metres.
+        rays: (H, W, 3) points at depth 1 in C.
+        R_WC: (3, 3) orientation of the camera in W.
+        p_WC: (3,) position of the camera in W.
+
+    Returns:
+        (H, W, 3) points in W; NaN where the depth is not finite and positive.
+    """
+    rows, columns = depth.shape
+    points = np.empty((rows, columns, 3))
+    for v in range(rows):
+        for u in range(columns):
+            z = depth[v, u]
+            if z > 0.0 and z < np.inf:
+                x, y = rays[v, u, 0] * z, rays[v, u, 1] * z
+                for k in range(3):
+                    points[v, u, k] = (
+                        R_WC[k, 0] * x + R_WC[k, 1] * y + R_WC[k, 2] * z + p_WC[k]
+                    )
+            else:
+                points[v, u, 0] = points[v, u, 1] = points[v, u, 2] = np.nan
+    return points
+
+
+@njit(cache=True)
+def inside_box(points: FloatArray, low: FloatArray, high: FloatArray) -> BoolArray:
+    """Returns which points (H, W, 3) lie in an axis-aligned box; NaN does not."""
+    rows, columns, _ = points.shape
+    inside = np.empty((rows, columns), dtype=np.bool_)
+    for v in range(rows):
+        for u in range(columns):
+            ok = True
+            for k in range(3):
+                p = points[v, u, k]
+                ok = ok and p >= low[k] and p <= high[k]
+            inside[v, u] = ok
+    return inside
+
+
+@njit(cache=True)
+def behind_jump(points: FloatArray, mask: BoolArray, limit: float) -> BoolArray:
+    """Returns the mask's pixels beside a jump of depth.
+
+    Args:
+        points: (H, W, 3), metres.
+        mask: (H, W) pixels asked about.
+        limit: Two neighbours further apart than this do not touch, metres.
+
+    Returns:
+        (H, W) True where a right, left, upper or lower neighbour is further off
+        than `limit` or unknown.
+    """
+    rows, columns, _ = points.shape
+    found = np.zeros((rows, columns), dtype=np.bool_)
+    limit2 = limit * limit
+    for v in range(rows):
+        for u in range(columns):
+            if not mask[v, u]:
+                continue
+            for k in range(4):
+                dv = (0, 0, 1, -1)[k]
+                du = (1, -1, 0, 0)[k]
+                if 0 <= v + dv < rows and 0 <= u + du < columns:
+                    d2 = 0.0
+                    for c in range(3):
+                        d2 += (points[v + dv, u + du, c] - points[v, u, c]) ** 2
+                    if not d2 <= limit2:
+                        found[v, u] = True
+    return found
+
+
+@njit(cache=True)
+def pixel_areas(
+    points: FloatArray,
+    depth: FloatArray,
+    mask: BoolArray,
+    eye: FloatArray,
+    focal2: float,
+) -> FloatArray:
+    """Returns the surface behind each pixel of a mask.
+
+    A pixel's solid angle is (z / r)^3 / f^2 at the depth z and the distance r, so
+    a surface at the angle t to the ray shows z^3 / (r f^2 cos t) in it.
+
+    Args:
+        points: (H, W, 3), metres, in the frame of `eye`.
+        depth: (H, W), metres along the optical axis.
+        mask: (H, W) pixels of one smooth surface.
+        eye: (3,) the camera's centre.
+        focal2: Product of the two focal lengths, pixels^2.
+
+    Returns:
+        (H, W), m^2; zero outside the mask.
+    """
+    rows, columns, _ = points.shape
+    areas = np.zeros((rows, columns))
+    for v in range(rows):
+        for u in range(columns):
+            if not mask[v, u]:
+                continue
+            a = u - 1 if u > 0 and mask[v, u - 1] else u
+            b = u + 1 if u < columns - 1 and mask[v, u + 1] else u
+            c = v - 1 if v > 0 and mask[v - 1, u] else v
+            d = v + 1 if v < rows - 1 and mask[v + 1, u] else v
+            x = points[v, b] - points[v, a]
+            y = points[d, u] - points[c, u]
+            n = np.cross(x, y)
+            length = np.sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
+            ray = points[v, u] - eye
+            r = np.sqrt(ray[0] ** 2 + ray[1] ** 2 + ray[2] ** 2)
+            cosine = 1.0
+            if length > 0.0:
+                dot = n[0] * ray[0] + n[1] * ray[1] + n[2] * ray[2]
+                cosine = max(abs(dot) / (length * r), MIN_COSINE)
+            areas[v, u] = depth[v, u] ** 3 / (r * focal2 * cosine)
+    return areas
