@@ -1,0 +1,198 @@
+"""The navigation function and its flow, in logarithms (paper, Eq. 1 and 2).
+
+With gamma = |q - q_d|^2 and beta = prod_i beta_i^w_i (i = 0 the workspace),
+
+    phi = gamma / (gamma^kappa + beta)^(1/kappa).
+
+Its integral curves are those of psi = kappa ln gamma - sum_i w_i ln beta_i, and
+ln phi = -ln(1 + exp(-psi)) / kappa, so no power is ever taken.
+
+Everything is defined and finite for every finite q (ln phi is -inf at the goal):
+
+* on a boundary phi = 1 and the flow is the boundary's inward normal; where several
+  boundaries cross, the sum of their gradients, scaled to one;
+* outside free space (some beta_i < 0) phi = 1, and gradient and flow are zero;
+* at the goal phi = 0, and gradient and flow are zero.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+
+from bath_drake.field import _kernels
+from bath_drake.field.obstacles import ObstacleSet, Workspace
+from bath_drake.notation import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class NavigationField:
+    """Everything that fixes phi.
+
+    Attributes:
+        workspace: The outer boundary.
+        goal: q_d, shape (2,), in N. It may lie anywhere; whether the field is
+            a navigation function is for `critical_points.check_field` to say.
+        kappa: The exponent of Eq. 1, positive.
+        obstacles: The inner boundaries.
+
+    Raises:
+        ValueError: The goal is not two finite numbers or kappa not positive.
+    """
+
+    workspace: Workspace
+    goal: FloatArray
+    kappa: float
+    obstacles: ObstacleSet
+
+    def __post_init__(self) -> None:
+        goal = np.array(self.goal, dtype=np.float64)
+        if goal.shape != (2,) or not np.isfinite(goal).all():
+            raise ValueError(f"goal must be two finite numbers, got {self.goal}")
+        goal.setflags(write=False)
+        object.__setattr__(self, "goal", goal)
+        kappa = float(self.kappa)
+        if not (0.0 < kappa < np.inf):
+            raise ValueError(f"kappa must be positive and finite, got {self.kappa}")
+        object.__setattr__(self, "kappa", kappa)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, NavigationField):
+            return NotImplemented
+        return (
+            self.workspace == other.workspace
+            and np.array_equal(self.goal, other.goal)
+            and self.kappa == other.kappa
+            and self.obstacles == other.obstacles
+        )
+
+    def __hash__(self) -> int:
+        parts = (self.workspace, self.goal.tobytes(), self.kappa, self.obstacles)
+        return hash(parts)
+
+    def with_obstacles(self, extra: ObstacleSet) -> "NavigationField":
+        """The same field with further obstacles: another world, to be checked anew."""
+        return replace(self, obstacles=self.obstacles + extra)
+
+    def with_goal(self, goal: FloatArray) -> "NavigationField":
+        """The same field with another goal: another world, to be checked anew."""
+        return replace(self, goal=goal)
+
+    @cached_property
+    def kernel_arguments(
+        self,
+    ) -> tuple[FloatArray, float, float, float, FloatArray]:
+        """(workspace, goal x, goal y, kappa, forms) as `_kernels` takes them."""
+        theta, exponents = self.obstacles.theta, self.obstacles.powers
+        # numba compiles anew for read-only arrays: hand out plain copies.
+        forms = _kernels.quadratic_forms(theta.copy(), exponents.copy())
+        gx, gy = self.goal.tolist()
+        return self.workspace.as_array(), gx, gy, self.kappa, forms
+
+
+def _points(q: ArrayLike) -> tuple[FloatArray, tuple[int, ...]]:
+    q = np.asarray(q, dtype=np.float64)
+    if q.ndim == 0 or q.shape[-1] != 2:
+        raise ValueError(f"points must have shape (..., 2), got {q.shape}")
+    return np.array(q.reshape(-1, 2), order="C"), q.shape[:-1]
+
+
+_Kernel = Callable[..., FloatArray]
+
+
+@njit(cache=True)
+def _min_beta(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty(q.shape[0])
+    for i in range(q.shape[0]):
+        out[i] = _kernels.min_beta(q[i, 0], q[i, 1], workspace, forms)
+    return out
+
+
+@njit(cache=True)
+def _ln_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty(q.shape[0])
+    for i in range(q.shape[0]):
+        out[i] = _kernels.ln_phi(q[i, 0], q[i, 1], workspace, gx, gy, kappa, forms)
+    return out
+
+
+@njit(cache=True)
+def _grad_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty((q.shape[0], 2))
+    for i in range(q.shape[0]):
+        out[i] = _kernels.grad_phi(q[i, 0], q[i, 1], workspace, gx, gy, kappa, forms)
+    return out
+
+
+@njit(cache=True)
+def _flow(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty((q.shape[0], 2))
+    for i in range(q.shape[0]):
+        x, y = q[i]
+        fx, fy, _ = _kernels.flow(x, y, workspace, gx, gy, kappa, forms, 0.0)
+        out[i, 0] = fx
+        out[i, 1] = fy
+    return out
+
+
+@njit(cache=True)
+def _derivatives(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty((q.shape[0], 5))
+    for i in range(q.shape[0]):
+        x, y = q[i]
+        out[i] = _kernels.grad_hessian_psi(x, y, workspace, gx, gy, kappa, forms)
+    return out
+
+
+def _over(kernel: _Kernel, q: ArrayLike, field: NavigationField) -> FloatArray:
+    points, shape = _points(q)
+    out = kernel(points, *field.kernel_arguments)
+    return out.reshape(shape + out.shape[1:])
+
+
+def min_beta(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """The smallest of all beta_i at points (..., 2), shape (...).
+
+    The workspace's beta_0 counts. Positive in free space, zero on a boundary.
+    """
+    return _over(_min_beta, q, field)
+
+
+def ln_phi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """The logarithm of phi at points (..., 2), shape (...); -inf at the goal."""
+    return _over(_ln_phi, q, field)
+
+
+def phi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """The navigation function (Eq. 1) at points (..., 2), shape (...), in [0, 1]."""
+    return np.asarray(np.exp(ln_phi(q, field)))
+
+
+def grad_phi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """Gradient of phi at points (..., 2), shape (..., 2).
+
+    Exact on the boundary of an obstacle of exponent 1. It grows like gamma^-kappa
+    near the goal's side of a boundary and is cut off at about exp(690).
+    """
+    return _over(_grad_phi, q, field)
+
+
+def flow_direction(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """Unit vector along -grad phi (Eq. 2) at points (..., 2), shape (..., 2).
+
+    Zero at the goal, at critical points and outside free space.
+    """
+    return _over(_flow, q, field)
+
+
+def grad_psi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """Gradient of psi at interior points (..., 2) off the goal, shape (..., 2)."""
+    return _over(_derivatives, q, field)[..., :2]
+
+
+def hessian_psi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """Hessian of psi at interior points (..., 2) off the goal, shape (..., 2, 2)."""
+    return _over(_derivatives, q, field)[..., [[2, 3], [3, 4]]]
