@@ -40,6 +40,19 @@ def eval_value(port: InputPort, context: Context, kind: type[T]) -> T:
     return value
 
 
+def eval_scalar(port: InputPort, context: Context) -> float:
+    """Returns the value of a port of size one."""
+    return float(_eval(port, context)[0])
+
+
+def drake_vector(value: Any) -> Any:
+    """Returns `value` as the float array Drake takes.
+
+    Its stubs spell array shapes in a way no checker matches, hence Any.
+    """
+    return np.asarray(value, dtype=np.float64)
+
+
 def set_vector(output: BasicVector, value: Any) -> None:
     """Writes `value`, shape (size,), into `output`; a wrong size raises."""
-    output.SetFromVector(value)
+    output.SetFromVector(drake_vector(value))

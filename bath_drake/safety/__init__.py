@@ -1,0 +1,1 @@
+"""Limits and decisions that keep the loop safe (pure)."""

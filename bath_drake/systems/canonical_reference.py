@@ -1,0 +1,78 @@
+"""The reference point in canonical space: integrated, but on a leash."""
+
+import numpy as np
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+
+from bath_drake.field.reference import next_reference
+from bath_drake.notation import FloatArray
+from bath_drake.safety.approach import Phase
+from bath_drake.systems._ports import drake_vector, eval_scalar, eval_vector
+
+
+class CanonicalReference(LeafSystem):
+    """Integrates the canonical velocity into the point the nozzle aims at.
+
+    .. pydrake_system::
+
+        name: CanonicalReference
+        input_ports:
+        - canonical_position
+        - canonical_velocity
+        - phase (optional)
+        - hold (optional)
+        output_ports:
+        - canonical_reference
+
+    Points in canonical space N, shape (2,). The velocity is that of the field at
+    the *measured* position; the reference never runs further than `leash` ahead
+    of it, so an arm that lags or holds is waited for. It stands still while
+    `hold` is above one half or `phase` is not WASH; unconnected, neither is so.
+    """
+
+    def __init__(
+        self, *, start: FloatArray, period: float = 0.01, leash: float = 0.08
+    ) -> None:
+        """Declares the state with `start`, shape (2,), as its default.
+
+        Raises:
+            ValueError: If `start` is not finite or a number is not positive.
+        """
+        super().__init__()
+        start = np.asarray(start, dtype=np.float64)
+        if start.shape != (2,) or not np.isfinite(start).all():
+            raise ValueError(f"start must be two finite numbers, got {start}")
+        for name, value in (("period", period), ("leash", leash)):
+            if not 0.0 < value < float("inf"):
+                raise ValueError(f"{name} must be positive and finite, got {value}")
+        self._period = period
+        self._leash = leash
+        self._p_NQ = self.DeclareVectorInputPort("canonical_position", 2)
+        self._v_NQ = self.DeclareVectorInputPort("canonical_velocity", 2)
+        self._phase = self.DeclareVectorInputPort("phase", 1)
+        self._hold = self.DeclareVectorInputPort("hold", 1)
+        state = self.DeclareDiscreteState(drake_vector(start))
+        self.DeclareStateOutputPort("canonical_reference", state)
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def set_start(self, context: Context, start: FloatArray) -> None:
+        """Puts the reference, shape (2,), into this system's own `context`."""
+        context.SetDiscreteState(drake_vector(start))
+
+    def _stands_still(self, context: Context) -> bool:
+        if self._hold.HasValue(context) and eval_scalar(self._hold, context) > 0.5:
+            return True
+        return self._phase.HasValue(context) and (
+            eval_scalar(self._phase, context) != Phase.WASH
+        )
+
+    def _update(self, context: Context, state: DiscreteValues) -> None:
+        if self._stands_still(context):
+            return
+        reference = next_reference(
+            drake_vector(context.get_discrete_state_vector().CopyToVector()),
+            eval_vector(self._p_NQ, context),
+            eval_vector(self._v_NQ, context),
+            self._period,
+            self._leash,
+        )
+        state.set_value(drake_vector(reference))

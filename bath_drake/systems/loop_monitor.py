@@ -1,0 +1,69 @@
+"""Ends a run: at the goal, on time-out or on a violated bound."""
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context, EventStatus, LeafSystem
+
+from bath_drake.field.navigation import NavigationField
+from bath_drake.perception.surface import SurfacePatch
+from bath_drake.safety.approach import Phase
+from bath_drake.safety.outcome import LoopBounds, LoopOutcome, judge_loop
+from bath_drake.systems._ports import eval_value, eval_vector
+
+
+class LoopMonitor(LeafSystem):
+    """Watches the loop and asks the simulator to stop, saying why.
+
+    .. pydrake_system::
+
+        name: LoopMonitor
+        input_ports:
+        - canonical_position
+        - navigation_field
+        - phase
+        - nozzle_pose
+        - surface_patch
+
+    The message of the termination is the name of a
+    `bath_drake.safety.outcome.LoopOutcome`.
+    """
+
+    def __init__(self, *, bounds: LoopBounds, period: float = 0.02) -> None:
+        """Declares ports and event; raises ValueError unless period > 0."""
+        super().__init__()
+        if not 0.0 < period < float("inf"):
+            raise ValueError(f"period must be positive and finite, got {period}")
+        self._bounds = bounds
+        self._p_NQ = self.DeclareVectorInputPort("canonical_position", 2)
+        self._field = self.DeclareAbstractInputPort("navigation_field", Value[object]())
+        self._phase = self.DeclareVectorInputPort("phase", 1)
+        self._X_WE = self.DeclareAbstractInputPort(
+            "nozzle_pose", Value(RigidTransform())
+        )
+        self._patch = self.DeclareAbstractInputPort("surface_patch", Value[object]())
+        # Not at time zero: the first frame has not been taken yet then.
+        self.DeclarePeriodicPublishEvent(period, period, self._judge)
+
+    def outcome(self, context: Context) -> LoopOutcome:
+        """Judges this system's own `context`."""
+        field = eval_value(self._field, context, NavigationField)
+        patch = eval_value(self._patch, context, SurfacePatch)
+        p_WE = eval_value(self._X_WE, context, RigidTransform).translation()
+        # The patch lies under the reference, a leash away from the nozzle at most.
+        clearance = float((p_WE - patch.p_WS) @ patch.normal_W)
+        return judge_loop(
+            time=context.get_time(),
+            washing=int(eval_vector(self._phase, context)[0]) == Phase.WASH,
+            goal_distance=float(
+                np.linalg.norm(eval_vector(self._p_NQ, context) - field.goal)
+            ),
+            clearance=clearance if patch.valid else float("inf"),
+            bounds=self._bounds,
+        )
+
+    def _judge(self, context: Context) -> EventStatus:
+        outcome = self.outcome(context)
+        if outcome is LoopOutcome.RUNNING:
+            return EventStatus.Succeeded()
+        return EventStatus.ReachedTermination(self, outcome.name)
