@@ -1,0 +1,103 @@
+"""What one closed-loop run recorded, as arrays; saved as one .npz file."""
+
+import io
+import zipfile
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bath_drake.errors import RunFolderError
+from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
+from bath_drake.yaml_io import read_bytes, write_atomically
+
+_MAX_BYTES = 512 * 1024 * 1024
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SimulationLog:
+    """The series of a run (T samples), its key frames (K) and its counts.
+
+    Attributes:
+        time: (T,) s.
+        canonical_position: (T, 2) of the washed point, as the loop saw it, in N.
+        canonical_reference: (T, 2) what it aimed at, in N.
+        phase: (T,) a `bath_drake.safety.approach.Phase` each.
+        standoff: (T,) commanded distance off the skin, m.
+        hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
+        arm_state: (T, 14) joint positions and velocities, rad and rad/s.
+        joint_command: (T, 14) the commanded ones.
+        nozzle_pose: (T, 7) X_WE as quaternion w, x, y, z and position, m.
+        body_pose: (T, 7) the true X_WM likewise; for verification only.
+        hold_counts: (number of reasons,) how often a hold began.
+        wall_time: (S, 2) simulated and wall-clock seconds, as the run went on.
+        frames: Camera frames taken.
+        outcome: Name of a `bath_drake.safety.outcome.LoopOutcome`.
+        keyframe_time: (K,) s.
+        keyframe_colour: (K, H, W, 3) what the camera saw.
+        keyframe_depth: (K, H, W) m, not finite where nothing is.
+        keyframe_mask: (K, H, W) the segmented back.
+        keyframe_robot: (K, H, W) the robot's own pixels.
+        keyframe_map: (K, 14) the canonical map: R_WP row by row, p_WP, half extents.
+        keyframe_areas: (n, 6) index of the key frame, then the ellipse in N.
+        keyframe_reach: (K, 2) visible fraction of the back, share of it that the
+            robot hides.
+        intrinsics: (6,) of the camera: width, height, fx, fy, cx, cy.
+        X_WC: (4, 4) pose of the camera.
+    """
+
+    time: FloatArray
+    canonical_position: FloatArray
+    canonical_reference: FloatArray
+    phase: FloatArray
+    standoff: FloatArray
+    hold_reason: FloatArray
+    arm_state: FloatArray
+    joint_command: FloatArray
+    nozzle_pose: FloatArray
+    body_pose: FloatArray
+    hold_counts: FloatArray
+    wall_time: FloatArray
+    frames: IntArray
+    outcome: str
+    keyframe_time: FloatArray
+    keyframe_colour: ByteArray
+    keyframe_depth: FloatArray
+    keyframe_mask: BoolArray
+    keyframe_robot: BoolArray
+    keyframe_map: FloatArray
+    keyframe_areas: FloatArray
+    keyframe_reach: FloatArray
+    intrinsics: FloatArray
+    X_WC: FloatArray
+
+    def save(self, path: Path) -> None:
+        """Writes the log; a reader never sees half of it."""
+        content = io.BytesIO()
+        arrays: dict[str, Any] = {
+            f.name: np.asarray(getattr(self, f.name)) for f in fields(self)
+        }
+        np.savez_compressed(content, **arrays)
+        write_atomically(path, content.getvalue(), error=RunFolderError)
+
+    @staticmethod
+    def load(path: Path) -> "SimulationLog":
+        """Reads a log; raises RunFolderError naming file and key."""
+        data = read_bytes(path, limit=_MAX_BYTES, error=RunFolderError)
+        names = [f.name for f in fields(SimulationLog)]
+        try:
+            with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+                arrays = {name: archive[name] for name in names if name in archive}
+        except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+            raise RunFolderError(f"{path}: not a readable log ({error})") from error
+        missing = [name for name in names if name not in arrays]
+        if missing:
+            raise RunFolderError(f"{path}: lacks {', '.join(missing)}")
+        return SimulationLog(**{**arrays, "outcome": str(arrays["outcome"])})
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated over wall-clock seconds."""
+        simulated, wall = self.wall_time[-1]
+        return float(simulated / wall) if wall > 0.0 else float("nan")

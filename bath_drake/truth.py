@@ -1,0 +1,124 @@
+"""The true skin, for verification alone: distances, normals and places on it.
+
+Nothing in the loop may import this module: what the robot knows of the person
+comes from the camera.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import open3d as o3d
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
+from bath_drake.scene.people import LABEL_BACK, Person
+
+
+def _tensor(array: Any, kind: Any = np.float32) -> Any:
+    core: Any = o3d.core  # its stubs know nothing of numpy
+    return core.Tensor(np.ascontiguousarray(array, dtype=kind))
+
+
+@dataclass(frozen=True, eq=False)
+class TrueSkin:
+    """Queries on a person's true mesh; all points and normals in frame M, metres.
+
+    Attributes:
+        person: Whose mesh it is.
+    """
+
+    person: Person
+
+    @cached_property
+    def _scene(self) -> Any:
+        scene: Any = o3d.t.geometry.RaycastingScene()
+        vertices, triangles = self.person.vertices, self.person.triangles
+        scene.add_triangles(_tensor(vertices), _tensor(triangles, np.uint32))
+        return scene
+
+    @cached_property
+    def _vertex_normals(self) -> FloatArray:
+        # Area-weighted, so that a facet's size does not bend the normal.
+        v, f = self.person.vertices, self.person.triangles
+        facets = np.cross(v[f[:, 1]] - v[f[:, 0]], v[f[:, 2]] - v[f[:, 0]])
+        normals = np.zeros_like(v)
+        for corner in range(3):
+            np.add.at(normals, f[:, corner], facets)
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        return np.asarray(normals / np.maximum(lengths, 1e-12))
+
+    def _normals_at(self, triangles: IntArray, uvs: FloatArray) -> FloatArray:
+        corners = self._vertex_normals[self.person.triangles[triangles]]
+        weights = np.column_stack([1.0 - uvs.sum(axis=1), uvs])
+        normals = (corners * weights[:, :, None]).sum(axis=1)
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        return np.asarray(normals / np.maximum(lengths, 1e-12))
+
+    def nearest(self, p_MQ: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Finds the skin nearest to points (n, 3).
+
+        Returns:
+            Distances (n,), the nearest points (n, 3) and the smooth outward
+            normals there (n, 3).
+        """
+        found = self._scene.compute_closest_points(_tensor(p_MQ))
+        points = found["points"].numpy().astype(np.float64)
+        normals = self._normals_at(
+            found["primitive_ids"].numpy(), found["primitive_uvs"].numpy()
+        )
+        return np.linalg.norm(p_MQ - points, axis=1), points, normals
+
+    def hit(
+        self, p_MQ: FloatArray, direction_M: FloatArray
+    ) -> tuple[FloatArray, BoolArray]:
+        """Follows rays (n, 3) to the skin: points (n, 3), and whether they meet it."""
+        rays = _tensor(np.concatenate([p_MQ, direction_M], axis=1))
+        distance = self._scene.cast_rays(rays)["t_hit"].numpy()
+        met = np.isfinite(distance)
+        reach = np.where(met, distance, 0.0)[:, None]
+        return p_MQ + reach * direction_M, met
+
+    @cached_property
+    def canonical_map(self) -> CanonicalMap:
+        """The canonical map as it truly is: of the labelled back, in M for W."""
+        v, f = self.person.vertices, self.person.triangles
+        facets = np.cross(v[f[:, 1]] - v[f[:, 0]], v[f[:, 2]] - v[f[:, 0]])
+        on_back = _largest_piece(f, (self.person.labels[f] == LABEL_BACK).all(axis=1))
+        return fit_canonical_map(
+            v[f[on_back]].mean(axis=1),
+            up_W=np.array([0.0, 0.0, 1.0]),
+            eye_W=v.mean(axis=0) + np.array([0.0, 10.0, 0.0]),
+            weights=np.linalg.norm(facets[on_back], axis=1),
+        )
+
+
+def _largest_piece(triangles: IntArray, chosen: BoolArray) -> BoolArray:
+    """Of the chosen triangles, those of the piece with the most of them."""
+    f = triangles[chosen]
+    count = int(triangles.max()) + 1
+    edges = np.concatenate([f[:, [0, 1]], f[:, [1, 2]]])
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), (count, count))
+    _, piece = connected_components(graph, directed=False)
+    largest = np.bincount(piece[f[:, 0]]).argmax()
+    return np.asarray(chosen & (piece[triangles[:, 0]] == largest))
+
+
+def signed_polygon_distance(points: FloatArray, polygon: FloatArray) -> FloatArray:
+    """Distance (n,) of points (n, 2) to a simple polygon (m, 2); negative inside."""
+    start, end = polygon, np.roll(polygon, -1, axis=0)
+    edge = end - start
+    offset = points[:, None, :] - start
+    share = (offset * edge).sum(axis=2) / np.maximum((edge**2).sum(axis=1), 1e-300)
+    nearest = offset - np.clip(share, 0.0, 1.0)[:, :, None] * edge
+    distance = np.sqrt((nearest**2).sum(axis=2)).min(axis=1)
+    # Even-odd rule: a ray to the right crosses the outline an odd number of times.
+    x, y = points[:, :1], points[:, 1:]
+    straddles = (start[:, 1] > y) != (end[:, 1] > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = start[:, 0] + (y - start[:, 1]) * edge[:, 0] / edge[:, 1]
+    inside = (straddles & (x < crossing)).sum(axis=1) % 2 == 1
+    return np.asarray(np.where(inside, -distance, distance))
