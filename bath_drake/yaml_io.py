@@ -48,6 +48,10 @@ _SCALARS = (
 )
 
 
+def _refusal(message: str, mark: Any) -> yaml.MarkedYAMLError:
+    return yaml.MarkedYAMLError(problem=message, problem_mark=mark)
+
+
 class _Loader(yaml.SafeLoader):
     """PyYAML's safe loader without aliases, tags, duplicates and deep nesting."""
 
@@ -92,8 +96,7 @@ class _Loader(yaml.SafeLoader):
 
     def construct_short_int(self, node: Any) -> int:
         if len(node.value) > MAX_DIGITS:
-            message = f"an integer of more than {MAX_DIGITS} digits"
-            raise _refusal(message, node.start_mark)
+            raise _refusal(f"more than {MAX_DIGITS} digits", node.start_mark)
         return int(node.value)
 
 
@@ -112,10 +115,6 @@ for _name, _pattern, _first in _SCALARS:
         )
 _Loader.add_constructor(_TAG + "float", _Loader.construct_finite)
 _Loader.add_constructor(_TAG + "int", _Loader.construct_short_int)
-
-
-def _refusal(message: str, mark: Any) -> yaml.MarkedYAMLError:
-    return yaml.MarkedYAMLError(problem=message, problem_mark=mark)
 
 
 class Block:
@@ -149,18 +148,21 @@ class Block:
         self._known.append(key)
         return key in self._rest
 
+    def peek(self, key: str) -> Any:
+        """The value of a key that is there, of any kind, without taking it."""
+        return self._rest[key]
+
     def take(self, key: str, kind: type[T]) -> T:
         """Returns the value of a key; int serves as float, true/false never do."""
         if not self.has(key):
-            self.fail(key, f"is missing, expected {_KINDS.get(kind, kind.__name__)}")
+            self.fail(key, f"is missing, expected {_KINDS[kind]}")
         return self._checked(key, self._rest.pop(key), kind)
 
     def _checked(self, key: str, value: Any, kind: type[T]) -> T:
         if kind is float and type(value) is int:
             value = float(value)
         if type(value) is not kind:
-            expected = _KINDS.get(kind, kind.__name__)
-            self.fail(key, f"found {_shown(value)}, expected {expected}")
+            self.fail(key, f"found {_shown(repr(value))}, expected {_KINDS[kind]}")
         return value
 
     def take_list(self, key: str, kind: type[T], length: int | None = None) -> list[T]:
@@ -170,32 +172,36 @@ class Block:
             self.fail(key, f"found {len(items)} items, expected {length}")
         return [self._checked(f"{key}[{i}]", v, kind) for i, v in enumerate(items)]
 
+    def take_rows(self, key: str, rows: int, columns: int) -> list[list[float]]:
+        """Returns a matrix of numbers, row by row."""
+        named = {
+            f"{key}[{i}]": row for i, row in enumerate(self.take_list(key, list, rows))
+        }
+        block = Block(named, self._source, self._key, self._error)
+        return [block.take_list(name, float, columns) for name in named]
+
     def take_block(self, key: str) -> "Block":
         """Returns the mapping under a key."""
-        mapping = self.take(key, dict)
-        return Block(
-            mapping, self._source, f"{self._key}.{key}".strip("."), self._error
-        )
+        return self._inner(self.take(key, dict), key)
 
     def take_blocks(self, key: str) -> list["Block"]:
         """Returns the mappings of the list under a key."""
         mappings = self.take_list(key, dict)
+        return [self._inner(m, f"{key}[{i}]") for i, m in enumerate(mappings)]
+
+    def _inner(self, mapping: dict[str, Any], key: str) -> "Block":
         dotted = f"{self._key}.{key}".strip(".")
-        return [
-            Block(mapping, self._source, f"{dotted}[{i}]", self._error)
-            for i, mapping in enumerate(mappings)
-        ]
+        return Block(mapping, self._source, dotted, self._error)
 
     def finish(self) -> None:
         """Refuses keys that nobody asked for."""
         for key in self._rest:
             allowed = ", ".join(dict.fromkeys(self._known))
-            self.fail(_shown(key, quote=False), f"unknown key, allowed: {allowed}")
+            self.fail(_shown(key), f"unknown key, allowed: {allowed}")
 
 
-def _shown(value: object, quote: bool = True) -> str:
-    """A value as a short piece of one line."""
-    text = repr(value) if quote else str(value)
+def _shown(text: str) -> str:
+    """A text as a short piece of one line."""
     text = " ".join(text.split())
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -340,9 +346,8 @@ def write_atomically(
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask)
         os.replace(temporary, path)
-        temporary = ""
     except OSError as problem:
         raise error(f"{path}: cannot be written: {problem.strerror}") from None
     finally:
-        if temporary:
+        if temporary:  # after the rename there is nothing left of it
             Path(temporary).unlink(missing_ok=True)

@@ -108,10 +108,7 @@ def read_metadata(path: str | Path) -> RecordingMetadata:
 
 def _body_box(block: Block) -> BodyBox:
     centre = block.take_list("centre", float, 3)
-    axes = block.take_list("axes", list, 3)
-    for i, row in enumerate(axes):
-        if len(row) != 3 or any(type(value) not in (int, float) for value in row):
-            block.fail(f"axes[{i}]", f"found {row}, expected 3 numbers")
+    axes = block.take_rows("axes", 3, 3)
     extents = block.take_list("extents", float)
     block.finish()
     try:
