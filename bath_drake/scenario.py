@@ -1,0 +1,199 @@
+"""Scenario files: every choice of one closed-loop run, and what it is judged by."""
+
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from pydrake.common.yaml import yaml_load_typed
+
+from bath_drake.errors import ScenarioError
+from bath_drake.resources import diagrams_folder, models_folder
+from bath_drake.safety.approach import ApproachLimits
+from bath_drake.safety.hold import MAX_FRAME_AGE
+from bath_drake.safety.outcome import LoopBounds
+from bath_drake.scene.config import SceneConfig, check_scene
+from bath_drake.yaml_io import dump_yaml, read_yaml
+
+
+@dataclass(kw_only=True)
+class PerceptionConfig:
+    """What is made of the images."""
+
+    camera_rate: float = 30.0  # Hz
+    patch_radius: float = 0.03  # m, of the quadric fit
+    # m, added around a restricted area: the jet's radius and the loop's error.
+    area_margin: float = 0.02
+    detect_restricted_areas: bool = True
+
+
+@dataclass(kw_only=True)
+class ControlConfig:
+    """How the motion is driven."""
+
+    washing_speed: float = 0.07  # m/s along the skin, at most 0.10
+    slow_radius: float = 0.1  # canonical
+    leash: float = 0.08  # canonical, the reference ahead of the nozzle
+    standoff: float = 0.06  # m, nozzle tip off the skin
+    far_standoff: float = 0.14  # m, where it lines up first
+    approach_speed: float = 0.05  # m/s along the normal, at most 0.05
+    max_frame_age: float = MAX_FRAME_AGE  # s
+    min_clearance: float = 0.02  # m, nozzle tip off the seen skin
+    goal_tolerance: float = 0.02  # canonical
+
+
+@dataclass(kw_only=True)
+class Limits:
+    """What the verification judges the run by; null asks for the figure alone."""
+
+    frechet_learned: float | None = 0.10  # of the scale
+    frechet_executed: float | None = 0.08  # of the scale
+    surface_error_mean_mm: float | None = 5.0
+    surface_error_max_mm: float | None = 15.0
+    normal_error_mean_deg: float | None = 5.0
+    restricted_entries: int = 0
+
+
+@dataclass(kw_only=True)
+class Scenario:
+    """One run. Frames and units as in `bath_drake.notation`."""
+
+    description: str = ""
+    random_seed: int = 0
+    duration: float = 40.0  # s, the longest run
+    skill: str = "back_sinusoid.yaml"  # a path, or a name in models/skills
+    # Paths, or names in models/demonstrations.
+    demonstrations: list[str] = field(
+        default_factory=lambda: [f"back_sinusoid_{k}.csv" for k in (1, 2, 3)]
+    )
+    scene: SceneConfig = field(default_factory=SceneConfig)
+    perception: PerceptionConfig = field(default_factory=PerceptionConfig)
+    control: ControlConfig = field(default_factory=ControlConfig)
+    limits: Limits = field(default_factory=Limits)
+
+
+# Careful bounds near people: nobody asks for more by mistake.
+_RANGES: dict[str, dict[str, tuple[float, float]]] = {
+    "perception": {
+        "camera_rate": (1.0, 60.0),
+        "patch_radius": (0.005, 0.1),
+        "area_margin": (0.0, 0.2),
+    },
+    "control": {
+        "washing_speed": (1e-3, 0.10),
+        "slow_radius": (1e-3, 1.0),
+        "leash": (1e-3, 0.5),
+        "standoff": (0.03, 0.2),
+        "far_standoff": (0.03, 0.3),
+        "approach_speed": (1e-3, 0.05),
+        "max_frame_age": (0.01, 0.5),
+        "min_clearance": (0.005, 0.1),
+        "goal_tolerance": (1e-4, 0.1),
+    },
+}
+_LONGEST_RUN_S = 3600.0
+
+
+def _check_range(key: str, value: float, low: float, high: float) -> None:
+    if not (math.isfinite(value) and low <= value <= high):
+        raise ValueError(f"{key}: found {value}, allowed {low} to {high}")
+
+
+def check_scenario(scenario: Scenario) -> None:
+    """Raises ValueError naming the key that is out of its range."""
+    _check_range("duration", scenario.duration, 0.1, _LONGEST_RUN_S)
+    if scenario.random_seed < 0:
+        raise ValueError(f"random_seed: found {scenario.random_seed}, allowed 0 and up")
+    for block, ranges in _RANGES.items():
+        for key, (low, high) in ranges.items():
+            value = getattr(getattr(scenario, block), key)
+            _check_range(f"{block}.{key}", value, low, high)
+    if scenario.control.min_clearance >= scenario.control.standoff:
+        raise ValueError(
+            f"control.min_clearance: found {scenario.control.min_clearance}, "
+            f"allowed less than control.standoff ({scenario.control.standoff})"
+        )
+    approach_limits(scenario)
+    for key, value in vars(scenario.limits).items():
+        if value is not None and not value >= 0:
+            raise ValueError(f"limits.{key}: found {value}, allowed 0 and up, or null")
+    try:
+        check_scene(scenario.scene)
+    except ValueError as error:
+        raise ValueError(f"scene: {error}") from error
+
+
+def approach_limits(scenario: Scenario) -> ApproachLimits:
+    """Returns the approach's limits; ValueError if they contradict each other."""
+    control = scenario.control
+    return ApproachLimits(
+        far_standoff=control.far_standoff,
+        standoff=control.standoff,
+        speed=control.approach_speed,
+    )
+
+
+def loop_bounds(scenario: Scenario) -> LoopBounds:
+    """Returns the bounds that end a run."""
+    return LoopBounds(
+        duration=scenario.duration,
+        goal_tolerance=scenario.control.goal_tolerance,
+        min_clearance=scenario.control.min_clearance,
+    )
+
+
+def find_scenario(name: str | Path) -> Path:
+    """Returns a scenario's path: a file, or the name of a shipped one."""
+    path = Path(name)
+    if path.exists():
+        return path
+    shipped = diagrams_folder()
+    for candidate in (shipped / path, shipped / f"{path}.yaml"):
+        if path.name == str(name) and candidate.is_file():
+            return candidate
+    names = ", ".join(sorted(p.name for p in shipped.glob("*.yaml")))
+    raise ScenarioError(f"{name}: no such scenario; shipped ones: {names}")
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """Reads a scenario file, or a shipped one by name.
+
+    Raises:
+        ScenarioError: Naming file and key, what was found and what is allowed.
+    """
+    path = find_scenario(path)
+    content = read_yaml(path, error=ScenarioError)
+    try:
+        # Drake's YAML functions carry no types.
+        scenario: Scenario = yaml_load_typed(  # type: ignore[no-untyped-call]
+            schema=Scenario, data=dump_yaml(content), defaults=Scenario()
+        )
+        check_scenario(scenario)
+    except (ValueError, RuntimeError, TypeError, KeyError) as error:
+        message = " ".join(str(error).split())
+        raise ScenarioError(f"{path}: {message}") from error
+    return scenario
+
+
+def dump_scenario(scenario: Scenario) -> str:
+    """Writes a scenario, every value of it, as YAML."""
+    # Not yaml_dump_typed: it leaves out what is null, which is a choice here.
+    return dump_yaml(asdict(scenario))
+
+
+def find_skill(name: str | Path) -> Path:
+    """Returns a skill's path: a file, or the name of a shipped one."""
+    return _find(name, "skills")
+
+
+def find_demonstration(name: str | Path) -> Path:
+    """Returns a demonstration's path: a file, or the name of a shipped one."""
+    return _find(name, "demonstrations")
+
+
+def _find(name: str | Path, kind: str) -> Path:
+    path = Path(name)
+    shipped = models_folder() / kind / path
+    if not path.exists() and path.name == str(name) and shipped.is_file():
+        return shipped
+    # A missing file is reported by its reader, which says what it expects.
+    return path
