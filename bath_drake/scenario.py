@@ -4,15 +4,14 @@ import math
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from pydrake.common.yaml import yaml_load_typed
-
 from bath_drake.errors import ScenarioError
 from bath_drake.resources import diagrams_folder, models_folder
 from bath_drake.safety.approach import ApproachLimits
 from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
 from bath_drake.scene.config import SceneConfig, check_scene
-from bath_drake.yaml_io import dump_yaml, read_yaml
+from bath_drake.schema import fill
+from bath_drake.yaml_io import Block, dump_yaml, read_yaml
 
 
 @dataclass(kw_only=True)
@@ -162,21 +161,16 @@ def load_scenario(path: str | Path) -> Scenario:
     """
     path = find_scenario(path)
     content = read_yaml(path, error=ScenarioError)
+    scenario = fill(Scenario, Block(content, str(path), error=ScenarioError))
     try:
-        # Drake's YAML functions carry no types.
-        scenario: Scenario = yaml_load_typed(  # type: ignore[no-untyped-call]
-            schema=Scenario, data=dump_yaml(content), defaults=Scenario()
-        )
         check_scenario(scenario)
-    except (ValueError, RuntimeError, TypeError, KeyError) as error:
-        message = " ".join(str(error).split())
-        raise ScenarioError(f"{path}: {message}") from error
+    except ValueError as error:
+        raise ScenarioError(f"{path}: {error}") from error
     return scenario
 
 
 def dump_scenario(scenario: Scenario) -> str:
     """Writes a scenario, every value of it, as YAML."""
-    # Not yaml_dump_typed: it leaves out what is null, which is a choice here.
     return dump_yaml(asdict(scenario))
 
 

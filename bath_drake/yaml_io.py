@@ -158,6 +158,13 @@ class Block:
             self.fail(key, f"is missing, expected {_KINDS[kind]}")
         return self._checked(key, self._rest.pop(key), kind)
 
+    def take_null(self, key: str) -> bool:
+        """Whether the key's value is null; takes it if so."""
+        if not self.has(key) or self._rest[key] is not None:
+            return False
+        del self._rest[key]
+        return True
+
     def _checked(self, key: str, value: Any, kind: type[T]) -> T:
         if kind is float and type(value) is int:
             value = float(value)
@@ -174,9 +181,8 @@ class Block:
 
     def take_rows(self, key: str, rows: int, columns: int) -> list[list[float]]:
         """Returns a matrix of numbers, row by row."""
-        named = {
-            f"{key}[{i}]": row for i, row in enumerate(self.take_list(key, list, rows))
-        }
+        lists = self.take_list(key, list, rows)
+        named = {f"{key}[{i}]": row for i, row in enumerate(lists)}
         block = Block(named, self._source, self._key, self._error)
         return [block.take_list(name, float, columns) for name in named]
 
@@ -292,9 +298,9 @@ def read_bytes(path: str | Path, *, limit: int, error: _Error) -> bytes:
             return file.read(limit + 1)[:limit]
     except OSError as problem:
         raise error(f"{path}: cannot be read: {problem.strerror}") from None
+    except BathDrakeError:
+        raise
     except ValueError as problem:
-        if isinstance(problem, BathDrakeError):
-            raise
         raise error(f"{str(path)!r} is not a file name: {problem}") from None
 
 
@@ -342,8 +348,7 @@ def write_atomically(
             data = content.encode() if isinstance(content, str) else content
             Path(temporary).write_bytes(data)
         # mkstemp makes files for the owner alone; give what `open` would have.
-        mask = os.umask(0)
-        os.umask(mask)
+        os.umask(mask := os.umask(0))
         os.chmod(temporary, 0o666 & ~mask)
         os.replace(temporary, path)
     except OSError as problem:

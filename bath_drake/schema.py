@@ -1,0 +1,51 @@
+"""Fills dataclass schemas from YAML blocks, naming the dotted key of each mistake.
+
+Drake's `yaml_load_typed` does the same job but its messages name no key.
+"""
+
+from dataclasses import fields, is_dataclass
+from types import NoneType, UnionType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+from bath_drake.yaml_io import Block
+
+T = TypeVar("T")
+
+
+def fill(schema: type[T], block: Block) -> T:
+    """Returns an instance of `schema` with the block's values in place of defaults.
+
+    Fields may be bool, int, float, str, lists of those, other such dataclasses, and
+    any of them or None (`X | None`).
+
+    Args:
+        schema: A dataclass whose every field has a default.
+        block: The mapping; its error is raised on unknown keys and wrong kinds.
+
+    Raises:
+        TypeError: If the schema has a field of another kind.
+    """
+    kinds = get_type_hints(schema)
+    values: dict[str, Any] = {}
+    for field in fields(schema):  # type: ignore[arg-type]  # a dataclass by contract
+        if block.has(field.name):
+            values[field.name] = _take(block, field.name, kinds[field.name])
+    block.finish()
+    return schema(**values)
+
+
+def _take(block: Block, key: str, kind: Any) -> Any:
+    if isinstance(kind, UnionType):
+        alternatives = get_args(kind)
+        if len(alternatives) != 2 or NoneType not in alternatives:
+            raise TypeError(f"a schema cannot hold {kind}")
+        if block.take_null(key):
+            return None
+        (kind,) = (k for k in alternatives if k is not NoneType)
+    if is_dataclass(kind):
+        return fill(kind, block.take_block(key))  # type: ignore[arg-type]
+    if get_origin(kind) is list:
+        return block.take_list(key, get_args(kind)[0])
+    if kind in (bool, int, float, str):
+        return block.take(key, kind)
+    raise TypeError(f"a schema cannot hold {kind}")
