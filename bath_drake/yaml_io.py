@@ -21,7 +21,7 @@ from bath_drake.errors import BathDrakeError
 
 MAX_YAML_BYTES = 256 * 1024
 MAX_DEPTH = 16
-# Longer integers are nobody's seed; Python itself refuses those over 4300 digits.
+# Longer integers are nobody's seed.
 MAX_DIGITS = 64
 
 T = TypeVar("T")
@@ -80,8 +80,7 @@ class _Loader(yaml.SafeLoader):
         for key_node, value_node in node.value:
             key = self.construct_object(key_node, deep=True)
             if not isinstance(key, str):
-                message = f"key {key!r} is not text"
-                raise _refusal(message, key_node.start_mark)
+                raise _refusal(f"key {key!r} is not text", key_node.start_mark)
             if key in mapping:
                 raise _refusal(f"duplicate key {key!r}", key_node.start_mark)
             mapping[key] = self.construct_object(value_node, deep=True)
@@ -89,7 +88,7 @@ class _Loader(yaml.SafeLoader):
 
     def construct_finite(self, node: Any) -> float:
         value = str(node.value).lower()
-        number = math.nan if value[-1] in "nf" else float(value)
+        number = math.inf if value[-1] in "nf" else float(value)
         if not math.isfinite(number):
             raise _refusal(f"number {value} is not finite", node.start_mark)
         return number
@@ -131,7 +130,7 @@ class Block:
         key: str = "",
         error: _Error = BathDrakeError,
     ) -> None:
-        """Wraps a mapping; `key` is its own dotted name, empty for the file."""
+        """Wraps a mapping; `key` is its dotted name, empty for the file."""
         self._rest = dict(mapping)
         self._known: list[str] = []
         self._source = source
@@ -147,10 +146,6 @@ class Block:
         """Whether a key is there and not yet taken; makes the key a known one."""
         self._known.append(key)
         return key in self._rest
-
-    def peek(self, key: str) -> Any:
-        """The value of a key that is there, of any kind, without taking it."""
-        return self._rest[key]
 
     def take(self, key: str, kind: type[T]) -> T:
         """Returns the value of a key; int serves as float, true/false never do."""
@@ -307,10 +302,8 @@ def read_bytes(path: str | Path, *, limit: int, error: _Error) -> bytes:
 def check_output(path: str | Path, *, error: _Error = BathDrakeError) -> None:
     """Raises `error` unless a file can be written at a path; touches nothing."""
     path = Path(path)
-    if "\0" in str(path):
-        raise error(f"{str(path)!r} is not a file name")
-    if path.is_dir():
-        raise error(f"{path}: is a directory, expected the name of a file to write")
+    if "\0" in str(path) or path.is_dir():
+        raise error(f"{str(path)!r} is not the name of a file to write")
     if not path.parent.is_dir():
         raise error(f"{path}: folder {path.parent} does not exist")
     if not os.access(path.parent, os.W_OK | os.X_OK):
@@ -334,9 +327,8 @@ def write_atomically(
     Raises:
         BathDrakeError: As `error`, when the file cannot be written.
     """
-    path = Path(path)
     check_output(path, error=error)
-    temporary = ""
+    path, temporary = Path(path), ""
     try:
         handle, temporary = tempfile.mkstemp(
             prefix=f".{path.stem[:100]}-", suffix=path.suffix, dir=path.parent
