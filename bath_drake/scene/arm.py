@@ -1,0 +1,119 @@
+"""The arm: its model in a plant, and alone for kinematics and silhouettes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.geometry import Box, Convex, Cylinder, Mesh, Role, SceneGraph, Shape
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PdControllerGains
+from pydrake.systems.framework import DiagramBuilder
+
+from bath_drake.notation import FloatArray
+from bath_drake.resources import models_folder
+from bath_drake.scene._poses import at
+from bath_drake.scene.config import ArmConfig
+
+JOINTS = tuple(f"fr3_joint{k}" for k in range(1, 8))
+_ACTUATORS = tuple(f"a{k}" for k in range(1, 8))
+# A circle's outline as a polygon around it, for the hulls.
+_CIRCLE_CORNERS = 16
+
+
+def base_pose(config: ArmConfig) -> RigidTransform:
+    """Returns X_WB, the arm's base in the world."""
+    return at(config.base_position, RotationMatrix.MakeZRotation(config.base_yaw))
+
+
+def add_arm(plant: MultibodyPlant, config: ArmConfig) -> ModelInstanceIndex:
+    """Adds the arm, welded at its base, with its PD gains; instance `arm`."""
+    parser = Parser(plant)
+    models = models_folder()
+    parser.package_map().Add("bath_models", models)
+    (arm,) = parser.AddModels(models / "arm" / "fr3_nozzle.urdf")
+    plant.WeldFrames(
+        plant.world_frame(), plant.GetFrameByName("base", arm), base_pose(config)
+    )
+    for name, p, d in zip(_ACTUATORS, config.stiffness, config.damping, strict=True):
+        # By name: the list of an instance's actuators is empty before Finalize.
+        actuator = plant.GetJointActuatorByName(name, arm)
+        actuator.set_controller_gains(PdControllerGains(p=p, d=d))
+    return arm
+
+
+def make_control_plant(config: ArmConfig) -> MultibodyPlant:
+    """Returns a finalised plant of the arm alone, seven positions, for control."""
+    plant = MultibodyPlant(time_step=0.0)
+    add_arm(plant, config)
+    plant.Finalize()
+    return plant
+
+
+def home_position(config: ArmConfig) -> FloatArray:
+    """Returns the joint positions (7,) where a run begins and ends, rad."""
+    return np.array(config.home, dtype=np.float64)
+
+
+class ArmGeometry:
+    """The arm's links as convex hulls, as the camera sees them.
+
+    Each piece of the arm that the simulated camera sees lies inside its hull, so
+    the hulls' projection covers the robot in the image.
+    """
+
+    def __init__(self, config: ArmConfig) -> None:
+        """Loads the arm model once; the joint positions come with each call."""
+        builder = DiagramBuilder()
+        plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+        add_arm(plant, config)
+        plant.Finalize()
+        self._plant = plant
+        self._hulls = _link_hulls(plant, scene_graph)
+        # The plant refers to the scene graph, which the diagram owns.
+        self._diagram = builder.Build()
+
+    def hulls_in_world(self, q: FloatArray) -> Sequence[FloatArray]:
+        """Returns hull vertices (n, 3) in W, m, a piece, at positions q (7,)."""
+        context = self._plant.CreateDefaultContext()
+        self._plant.SetPositions(context, q)
+        hulls = []
+        for index, p_LV in self._hulls:
+            X_WL = self._plant.EvalBodyPoseInWorld(context, self._plant.get_body(index))
+            hulls.append((X_WL.rotation().matrix() @ p_LV.T).T + X_WL.translation())
+        return hulls
+
+
+def _link_hulls(
+    plant: MultibodyPlant, scene_graph: SceneGraph
+) -> list[tuple[BodyIndex, FloatArray]]:
+    inspector = scene_graph.model_inspector()
+    hulls = []
+    for k in range(plant.num_bodies()):
+        frame = plant.GetBodyFrameIdIfExists(BodyIndex(k))
+        if frame is None:
+            continue
+        for geometry in inspector.GetGeometries(frame, Role.kPerception):
+            p_GV = _hull_vertices(inspector.GetShape(geometry))
+            X_LG = inspector.GetPoseInFrame(geometry)
+            p_LV = (X_LG.rotation().matrix() @ p_GV.T).T + X_LG.translation()
+            hulls.append((BodyIndex(k), p_LV))
+    return hulls
+
+
+def _hull_vertices(shape: Shape) -> FloatArray:
+    """Vertices (n, 3) in G of a convex hull that holds the shape, m."""
+    if isinstance(shape, Mesh | Convex):
+        hull = shape.GetConvexHull()
+        return np.array([hull.vertex(k) for k in range(hull.num_vertices())])
+    if isinstance(shape, Box):
+        corners = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5]))
+        box: FloatArray = corners.reshape(3, -1).T * shape.size()
+        return box
+    if isinstance(shape, Cylinder):
+        turns = np.linspace(0.0, 2.0 * np.pi, _CIRCLE_CORNERS, endpoint=False)
+        radius = shape.radius() / np.cos(np.pi / _CIRCLE_CORNERS)
+        circle = radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        ends = [-shape.length() / 2.0, shape.length() / 2.0]
+        return np.vstack([np.column_stack([circle, np.full(16, z)]) for z in ends])
+    raise NotImplementedError(f"no hull for a {type(shape).__name__} of the arm")

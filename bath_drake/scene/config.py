@@ -1,0 +1,130 @@
+"""Every number of the scene, as a schema for scenario files."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bath_drake.notation import FloatArray
+from bath_drake.scene.motion import MotionConfig, check_motion
+
+
+@dataclass(kw_only=True)
+class CameraConfig:
+    """The depth camera; the intrinsics are those of a Kinect v2."""
+
+    width: int = 512  # pixels
+    height: int = 424  # pixels
+    fx: float = 365.456  # pixels
+    fy: float = 365.456  # pixels
+    cx: float = 254.878  # pixels
+    cy: float = 205.395  # pixels
+    near: float = 0.5  # m, nearest depth it reports
+    far: float = 4.5  # m, farthest depth it reports
+    eye: list[float] = field(default_factory=lambda: [-0.35, 0.0, 1.75])  # m, W
+    target: list[float] = field(
+        default_factory=lambda: [0.78, 0.0, 0.75]
+    )  # m, W, what it looks at
+
+    def rotation(self) -> FloatArray:
+        """Returns R_WC (3, 3): z to the target, x right and level, y down."""
+        eye, target = np.asarray(self.eye), np.asarray(self.target)
+        z = (target - eye) / np.linalg.norm(target - eye)
+        x = np.cross(z, [0.0, 0.0, 1.0])
+        x /= np.linalg.norm(x)
+        return np.column_stack([x, np.cross(z, x), z])
+
+
+@dataclass(kw_only=True)
+class ArmConfig:
+    """Where the arm stands and how stiffly it follows its commands."""
+
+    base_position: list[float] = field(default_factory=lambda: [0.05, 0.0, 0.5])  # m, W
+    base_yaw: float = 0.0  # rad
+    home: list[float] = field(
+        default_factory=lambda: [0.0, -0.5, 0.0, -2.4, 0.0, 2.2, 0.785]
+    )  # rad
+    # N m/rad and N m s/rad, the implicit PD of each joint.
+    stiffness: list[float] = field(
+        default_factory=lambda: [2400, 2400, 2400, 2400, 1000, 600, 200]
+    )
+    damping: list[float] = field(default_factory=lambda: [80, 80, 80, 80, 50, 40, 20])
+
+
+@dataclass(kw_only=True)
+class WoundConfig:
+    """A dark elliptic patch on the back, in the back's canonical coordinates."""
+
+    centre: list[float] = field(default_factory=lambda: [0.0, 0.0])  # dimensionless
+    semi_axes: list[float] = field(default_factory=lambda: [0.2, 0.15])  # dimensionless
+    angle: float = 0.0  # rad, counter-clockwise as seen from behind
+
+
+@dataclass(kw_only=True)
+class SceneConfig:
+    """Room, person, arm and camera."""
+
+    person: str = "m_avg"  # a shipped person's name, or a folder
+    person_position: list[float] = field(
+        default_factory=lambda: [0.75, 0.0, 0.0]
+    )  # m, W, origin of M
+    person_yaw: float = float(np.pi / 2)  # rad; the back then faces -x of W
+    time_step: float = 0.002  # s, of the plant
+    motion: MotionConfig = field(default_factory=MotionConfig)
+    arm: ArmConfig = field(default_factory=ArmConfig)
+    camera: CameraConfig = field(default_factory=CameraConfig)
+    wound: WoundConfig | None = None
+
+
+def check_scene(config: SceneConfig) -> None:
+    """Raises ValueError naming the field that makes no scene."""
+    camera, arm = config.camera, config.arm
+    vectors = {
+        "person_position": (config.person_position, 3),
+        "camera.eye": (camera.eye, 3),
+        "camera.target": (camera.target, 3),
+        "arm.base_position": (arm.base_position, 3),
+        "arm.home": (arm.home, 7),
+        "arm.stiffness": (arm.stiffness, 7),
+        "arm.damping": (arm.damping, 7),
+    }
+    for name, (values, size) in vectors.items():
+        if len(values) != size or not np.isfinite(values).all():
+            raise ValueError(f"{name} must be {size} finite numbers, got {values}")
+    positive = {
+        "time_step": config.time_step,
+        "camera.width": camera.width,
+        "camera.height": camera.height,
+        "camera.fx": camera.fx,
+        "camera.fy": camera.fy,
+        "camera.near": camera.near,
+        "camera.far": camera.far - camera.near,
+        "arm.stiffness": min(arm.stiffness),
+        "arm.damping": min(arm.damping),
+    }
+    for name, value in positive.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be positive, got {value}")
+    for name, value in {
+        "person_yaw": config.person_yaw,
+        "arm.base_yaw": arm.base_yaw,
+        "camera.cx": camera.cx,
+        "camera.cy": camera.cy,
+    }.items():
+        if not np.isfinite(value):
+            raise ValueError(f"{name} must be finite, got {value}")
+    sight = np.subtract(camera.target, camera.eye)
+    if np.hypot(sight[0], sight[1]) < 1e-3:
+        raise ValueError("camera.target must not lie straight above or below the eye")
+    check_motion(config.motion)
+    if config.wound is not None:
+        _check_wound(config.wound)
+
+
+def _check_wound(wound: WoundConfig) -> None:
+    for name, values in (("centre", wound.centre), ("semi_axes", wound.semi_axes)):
+        if len(values) != 2 or not np.isfinite(values).all():
+            raise ValueError(f"wound.{name} must be 2 finite numbers, got {values}")
+    if min(wound.semi_axes) <= 0.0:
+        raise ValueError(f"wound.semi_axes must be positive, got {wound.semi_axes}")
+    if not np.isfinite(wound.angle):
+        raise ValueError(f"wound.angle must be finite, got {wound.angle}")

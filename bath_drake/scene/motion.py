@@ -1,0 +1,123 @@
+"""How the seated person moves: breath, a slow twist, a slow lean."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.notation import FloatArray
+
+
+@dataclass(kw_only=True)
+class MotionConfig:
+    """Breathing, twist and lean of the seated person.
+
+    The periods of twist and lean have no common multiple worth waiting for, so
+    that no run sees the same sequence of poses twice.
+    """
+
+    breath_amplitude: float = 0.008  # m, along the back's normal
+    breath_frequency: float = 0.25  # Hz
+    twist_amplitude: float = 0.0873  # rad (5 degrees), about the stool's axis
+    twist_period: float = 23.0  # s
+    lean_amplitude: float = 0.0873  # rad (5 degrees), about the line of the hips
+    lean_period: float = 29.3  # s
+    twist_phase: float = 0.0  # rad
+    lean_phase: float = 0.0  # rad
+    ramp: float = 3.0  # s, over which the motion grows from nothing
+
+
+def check_motion(motion: MotionConfig) -> None:
+    """Raises ValueError naming the field that no person could follow."""
+    limits = {
+        "breath_amplitude": (0.0, 0.05),
+        "breath_frequency": (0.0, 2.0),
+        "twist_amplitude": (0.0, 0.5),
+        "lean_amplitude": (0.0, 0.5),
+        "twist_period": (1.0, np.inf),
+        "lean_period": (1.0, np.inf),
+        "twist_phase": (-np.inf, np.inf),
+        "lean_phase": (-np.inf, np.inf),
+        "ramp": (0.0, np.inf),
+    }
+    for name, (low, high) in limits.items():
+        value = getattr(motion, name)
+        if not (np.isfinite(value) and low <= value <= high):
+            raise ValueError(
+                f"motion {name} must be finite and within [{low}, {high}], got {value}"
+            )
+
+
+def _ramp(t: float, duration: float) -> float:
+    """Smooth from 0 at t = 0 to 1 at `duration`, with continuous acceleration."""
+    s = 1.0 if t >= duration else max(t, 0.0) / duration
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+
+
+def _rotation_x(angle: float) -> FloatArray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def _rotation_z(angle: float) -> FloatArray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def person_displacement(
+    t: float, motion: MotionConfig, p_MHips: FloatArray, breath_M: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Returns how far the person has moved from the pose at rest.
+
+    Args:
+        t: Time, s; at t <= 0 the displacement is none at all.
+        motion: Amplitudes and periods.
+        p_MHips: (3,) middle of the hip line in M at rest, m. The lean turns about
+            M's x axis through it, the twist about M's z axis through it.
+        breath_M: (3,) unit vector in M along which the breath moves the body.
+
+    Returns:
+        Rotation (3, 3) and translation (3,) of X_MoM: from M as it is now to M as
+        it was at rest.
+    """
+    share = _ramp(t, motion.ramp)
+    twist = (
+        share
+        * motion.twist_amplitude
+        * np.sin(2.0 * np.pi * t / motion.twist_period + motion.twist_phase)
+    )
+    lean = (
+        share
+        * motion.lean_amplitude
+        * np.sin(2.0 * np.pi * t / motion.lean_period + motion.lean_phase)
+    )
+    breath = (
+        share
+        * motion.breath_amplitude
+        * np.sin(2.0 * np.pi * motion.breath_frequency * t)
+    )
+    R = _rotation_z(twist) @ _rotation_x(lean)
+    p = p_MHips + R @ (breath * breath_M - p_MHips)
+    return R, p
+
+
+def person_pose(
+    t: float,
+    motion: MotionConfig,
+    p_WM0: FloatArray,
+    yaw_WM0: float,
+    p_MHips: FloatArray,
+    breath_M: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Returns rotation (3, 3) and origin (3,) of X_WM at time t.
+
+    Args:
+        t: Time, s.
+        motion: Amplitudes and periods.
+        p_WM0: (3,) origin of M at rest in W, m.
+        yaw_WM0: Rotation of M at rest about W's z axis, rad.
+        p_MHips: (3,) middle of the hip line in M, m.
+        breath_M: (3,) unit vector in M along which the breath moves the body.
+    """
+    R, p = person_displacement(t, motion, p_MHips, breath_M)
+    R_WM0 = _rotation_z(yaw_WM0)
+    return R_WM0 @ R, p_WM0 + R_WM0 @ p
