@@ -8,7 +8,8 @@ weights are the samples' shares of the time axis. The spline minimises
 
 and so passes a frequency f with the gain 1 / (1 + (f / f_c)^4) where lambda =
 (2 pi f_c)^-4: a fourth-order low-pass filter without lag, for any spacing of the
-samples, whose natural ends go on straight.
+samples, whose natural ends go on straight. Within a third of a second of an end,
+where a sample has neighbours on one side only, up to two thirds of the tremor stay.
 """
 
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ CUTOFF_HZ = 1.8
 # tremor of 1 cm on a stroke across the back is just below.
 TOLERANCE = 0.025
 CUTOFF_GROWTH = 1.25
+# At this many cycles a sample the spline goes through every sample.
+INTERPOLATING = 100.0
 # Nothing a hand does needs more samples, and closer ones make the spline stiff.
 MAX_RATE_HZ = 200.0
 MIN_SAMPLES = 5
@@ -95,7 +98,7 @@ def denoise(t: FloatArray, points: FloatArray) -> DenoisedPath:
         lam = (2.0 * np.pi * cutoff * unit) ** -4
         spline = make_smoothing_spline(u, kept, w=shares, lam=lam)
         error = float(np.max(np.linalg.norm(spline(u) - kept, axis=1)))
-        if error <= allowed or cutoff > MAX_RATE_HZ:
+        if error <= allowed or cutoff * unit > INTERPOLATING:
             return DenoisedPath(start, end, cutoff, outliers, spline, unit)
         cutoff *= CUTOFF_GROWTH
 
