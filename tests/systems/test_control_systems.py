@@ -115,7 +115,7 @@ def step_reference(reference, position, velocity, **flags):
 
 
 def test_the_reference_integrates_as_the_pure_function(reference):
-    position, v_NQ = P_NQ + [0.01, 0.0], np.array([0.3, -0.1])
+    position, v_NQ = P_NQ + np.array([0.01, 0.0]), np.array([0.3, -0.1])
     np.testing.assert_array_equal(
         step_reference(reference, position, v_NQ),
         next_reference(P_NQ, position, v_NQ, 0.01, 0.05),

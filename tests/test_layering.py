@@ -1,0 +1,83 @@
+"""Imports point one way, and the pure packages know nothing of Drake."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import bath_drake
+
+PACKAGE = Path(bath_drake.__file__).parent
+PURE = ("field", "demonstrations", "learning", "perception", "safety")
+# A module may import from its own room and from those before it.
+ORDER = (
+    ("errors", "notation", "yaml_io", "resources", "doctor", "schema"),
+    ("field", "perception"),
+    ("demonstrations",),
+    ("learning", "safety"),
+    ("skill_file",),
+    ("patient",),
+    ("systems",),
+    ("scene",),
+    ("scenario",),
+    ("diagrams",),
+    ("simulation_log",),
+    ("simulation",),
+    ("truth",),
+    ("verification",),
+    ("block_diagram", "meshcat_view", "learning_report"),
+    ("report",),
+    ("run_folder",),
+    ("commands",),
+    ("cli", "__main__"),
+)
+RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
+MODULES = sorted(PACKAGE.rglob("*.py"))
+
+
+def imported_names(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield node.module or ""
+            if node.module == "bath_drake":
+                yield from (f"bath_drake.{alias.name}" for alias in node.names)
+
+
+def room_of(path):
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return parts[0]
+
+
+@pytest.mark.parametrize("room", PURE)
+def test_pure_packages_import_no_pydrake(room):
+    paths = list((PACKAGE / room).rglob("*.py"))
+    assert paths
+    for path in paths:
+        guilty = [n for n in imported_names(path) if n.split(".")[0] == "pydrake"]
+        assert not guilty, f"{path.relative_to(PACKAGE)} imports {guilty}"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_point_back_only(path):
+    room = room_of(path)
+    if room == "__init__":
+        return
+    assert room in RANK, f"{room} has no place in the order of rooms"
+    for name in imported_names(path):
+        parts = name.split(".")
+        if parts[0] != "bath_drake" or len(parts) == 1 or parts[1] not in RANK:
+            continue
+        assert parts[1] == room or RANK[parts[1]] < RANK[room], (
+            f"{path.relative_to(PACKAGE)} imports {name}"
+        )
+
+
+def test_the_loop_never_imports_the_truth():
+    rooms = ("perception", "safety", "systems", "diagrams", "field", "learning")
+    for path in MODULES:
+        if room_of(path) in rooms:
+            truths = [n for n in imported_names(path) if n == "bath_drake.truth"]
+            assert not truths, f"{path.relative_to(PACKAGE)} knows the true skin"
