@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bath_drake.notation import FloatArray
+from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
 
 # Fewer points than this carry no extents worth the name.
@@ -17,9 +17,17 @@ MIN_POINTS = 50
 
 # Where the variances along the two in-plane principal axes are within the first
 # ratio their directions are noise and gravity decides; above the second the
-# principal axes alone decide; between the two the angle is blended.
+# principal axes alone decide; between the two the angle is blended. Either is but
+# a first guess, which the midline corrects.
 SQUARE_RATIO = 1.15
 OBLONG_RATIO = 1.5
+
+# The midline: levels of this height (metres), the outermost share of the back at
+# either end left out, slopes between levels at least so far apart (metres).
+LEVEL = 0.01
+MIDLINE_TRIM = 0.03
+MIDLINE_SPAN = 0.1
+MIDLINE_ROUNDS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,12 +149,38 @@ def fit_canonical_map(
         trim: Share of the surface left out at each end of each axis.
 
     Returns:
-        The map. The y axis is the in-plane principal axis nearest to `up_W`, or
-        a blend of it with `up_W` where the back is nearly square (see
-        `SQUARE_RATIO`).
+        The map. The y axis runs along the back's midline, see
+        `principal_frame`.
 
     Raises:
         ValueError: If there are too few points or they span no plane.
+    """
+    mean, R_WP = principal_frame(points_W, up_W, eye_W, weights)
+    p_P = (points_W - mean) @ R_WP
+    if weights is None:
+        weights = np.ones(len(p_P))
+    low, high = np.array(
+        [_weighted_quantiles(p_P[:, k], weights, (trim, 1.0 - trim)) for k in (0, 1)]
+    ).T
+    centre = np.append((low + high) / 2.0, 0.0)
+    return CanonicalMap(R_WP, mean + R_WP @ centre, (high - low) / 2.0)
+
+
+def principal_frame(
+    points_W: FloatArray,
+    up_W: FloatArray,
+    eye_W: FloatArray,
+    weights: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Returns the mean (3,) and the axes R_WP (3, 3) that `fit_canonical_map` takes.
+
+    The normal is the smallest principal axis. In the plane the principal axes of a
+    broad back are nearly of one length and turn by several degrees as the outline
+    of a shoulder comes or goes. So they are but the first guess for the y axis,
+    which is then laid along the midline: the median slope of the middles between
+    the left and the right edge, which one odd shoulder does not move.
+
+    Arguments and errors are those of `fit_canonical_map`.
     """
     points_W = np.asarray(points_W, dtype=np.float64)
     if points_W.ndim != 2 or points_W.shape[1] != 3 or len(points_W) < MIN_POINTS:
@@ -156,7 +190,7 @@ def fit_canonical_map(
         )
     if weights is None:
         weights = np.ones(len(points_W))
-    weights = np.asarray(weights, dtype=np.float64) / np.sum(weights)
+    weights = weights / np.sum(weights)
     mean = weights @ points_W
     offsets = points_W - mean
     variances, axes = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)
@@ -164,20 +198,56 @@ def fit_canonical_map(
         raise ValueError("the points lie on a line: they span no plane")
     z = axes[:, 0]
     z = z if z @ (np.asarray(eye_W, dtype=np.float64) - mean) >= 0.0 else -z
-    y = _up_axis(axes[:, 2], np.sqrt(variances[2] / variances[1]), z, up_W)
-    R_WP = np.column_stack([np.cross(y, z), y, z])
-    p_P = offsets @ R_WP
-    low, high = np.array(
-        [_weighted_quantiles(p_P[:, k], weights, (trim, 1.0 - trim)) for k in (0, 1)]
-    ).T
-    centre = np.append((low + high) / 2.0, 0.0)
-    return CanonicalMap(R_WP, mean + R_WP @ centre, (high - low) / 2.0)
+    y = _up_axis(axes[:, 2], variances[2] / variances[1], z, up_W)
+    for _ in range(MIDLINE_ROUNDS):
+        x = np.cross(y, z)
+        angle = _midline_slope(offsets @ y, offsets @ x)
+        y = np.cos(angle) * y + np.sin(angle) * x
+    return mean, np.column_stack([np.cross(y, z), y, z])
+
+
+def edges_by_level(
+    along: FloatArray, across: FloatArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Returns a region's left and right edge at each level.
+
+    Args:
+        along: (n,) heights of its points along its long axis, metres.
+        across: (n,) their positions across, metres.
+
+    Returns:
+        The level (n,) of each point, counted from the lowest in steps of `LEVEL`,
+        and the left and right edges (m,) of the levels; of one without points they
+        are +inf and -inf.
+    """
+    level = ((along - along.min()) / LEVEL).astype(np.int64)
+    left = np.full(level.max() + 1, np.inf)
+    right = np.full(level.max() + 1, -np.inf)
+    np.minimum.at(left, level, across)
+    np.maximum.at(right, level, across)
+    return level, left, right
+
+
+def _midline_slope(along: FloatArray, across: FloatArray) -> float:
+    """Returns the angle of the midline to the `along` axis, towards `across`."""
+    low, high = np.quantile(along, (MIDLINE_TRIM, 1.0 - MIDLINE_TRIM))
+    inner = (along >= low) & (along <= high)
+    _, left, right = edges_by_level(along[inner], across[inner])
+    levels = np.flatnonzero(right > left)
+    middles = (left[levels] + right[levels]) / 2.0
+    first, second = np.triu_indices(len(levels), 1)
+    apart = (levels[second] - levels[first]) * LEVEL
+    far = apart >= MIDLINE_SPAN
+    if not far.any():  # too short a region to have a midline
+        return 0.0
+    slopes = (middles[second] - middles[first])[far] / apart[far]
+    return float(np.arctan(np.median(slopes)))
 
 
 def _up_axis(
     major: FloatArray, ratio: float, normal: FloatArray, up_W: FloatArray
 ) -> FloatArray:
-    """Chooses the in-plane y axis; `ratio` of the two standard deviations."""
+    """Chooses the in-plane y axis; `ratio` is that of the two variances."""
     up = np.asarray(up_W, dtype=np.float64)
     up = up - (up @ normal) * normal
     length = np.linalg.norm(up)
@@ -189,7 +259,7 @@ def _up_axis(
     # nearest arm of the cross is within 45 degrees.
     angle = np.arctan2(major @ -right, major @ up)
     angle = (angle + np.pi / 4.0) % (np.pi / 2.0) - np.pi / 4.0
-    share = np.clip((ratio**2 - SQUARE_RATIO) / (OBLONG_RATIO - SQUARE_RATIO), 0, 1)
+    share = np.clip((ratio - SQUARE_RATIO) / (OBLONG_RATIO - SQUARE_RATIO), 0, 1)
     angle *= share * share * (3.0 - 2.0 * share)
     return np.asarray(np.cos(angle) * up - np.sin(angle) * right)
 
@@ -198,6 +268,7 @@ def _weighted_quantiles(
     values: FloatArray, weights: FloatArray, shares: tuple[float, float]
 ) -> FloatArray:
     order = np.argsort(values)
+    weights = weights / np.sum(weights)
     # Each point's weight is centred on it, so equal weights give the usual ones.
     cumulated = np.cumsum(weights[order]) - 0.5 * weights[order]
     return np.interp(shares, cumulated, values[order])

@@ -62,3 +62,23 @@ def convex_hull(mask: BoolArray) -> BoolArray:
     if pixels is not None:
         cv2.fillConvexPoly(canvas, cv2.convexHull(pixels), 1)
     return canvas.astype(bool)
+
+
+def stoutest_part(mask: BoolArray, radius: float, share: float) -> BoolArray:
+    """Returns the mask's stoutest part, without limbs and neck.
+
+    An opening by a disc, of which only the largest component of the eroded core
+    grows back, so that a head on a neck thinner than the disc stays off.
+
+    Args:
+        mask: (H, W).
+        radius: Least radius of the disc, pixels.
+        share: Least radius as a share of that of the largest disc inside the mask.
+
+    Returns:
+        (H, W); empty if no disc of `radius` fits.
+    """
+    distance = cv2.distanceTransform(_bytes(mask), cv2.DIST_L2, cv2.DIST_MASK_5)
+    radius = max(radius, share * float(distance.max()))
+    core = largest_component(np.asarray(distance > radius))
+    return dilate(core, radius) & mask

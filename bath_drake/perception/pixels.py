@@ -89,6 +89,43 @@ def behind_jump(points: FloatArray, mask: BoolArray, limit: float) -> BoolArray:
 
 
 @njit(cache=True)
+def pixel_normals(points: FloatArray, mask: BoolArray, reach: int) -> FloatArray:
+    """Returns rough normals of an organised point image.
+
+    Args:
+        points: (H, W, 3), metres.
+        mask: (H, W) pixels of one surface.
+        reach: Differences are taken to the furthest neighbour in the mask within
+            this many pixels on either side.
+
+    Returns:
+        (H, W, 3) unit normals on the camera's side (image rows run down, columns
+        right, as in frame C); zero where the neighbours span no plane.
+    """
+    rows, columns, _ = points.shape
+    normals = np.zeros((rows, columns, 3))
+    for v in range(rows):
+        for u in range(columns):
+            if not mask[v, u]:
+                continue
+            a, b, c, d = u, u, v, v
+            for _ in range(reach):
+                if a > 0 and mask[v, a - 1]:
+                    a -= 1
+                if b < columns - 1 and mask[v, b + 1]:
+                    b += 1
+                if c > 0 and mask[c - 1, u]:
+                    c -= 1
+                if d < rows - 1 and mask[d + 1, u]:
+                    d += 1
+            n = np.cross(points[d, u] - points[c, u], points[v, b] - points[v, a])
+            length = np.sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
+            if length > 0.0:
+                normals[v, u] = n / length
+    return normals
+
+
+@njit(cache=True)
 def pixel_areas(
     points: FloatArray,
     depth: FloatArray,

@@ -7,7 +7,23 @@ import numpy as np
 
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.perception import morphology
-from bath_drake.perception.pixels import behind_jump, inside_box
+from bath_drake.perception.canonical import (
+    MIN_POINTS,
+    edges_by_level,
+    principal_frame,
+)
+from bath_drake.perception.completion import BackTemplate
+from bath_drake.perception.pixels import behind_jump, inside_box, pixel_normals
+
+UP_W = np.array([0.0, 0.0, 1.0])
+UP_W.setflags(write=False)
+
+# Pixels this near to the robot are beside it.
+ROBOT_RIM = 2.0
+
+# A disc of this share of the torso's covers no forearm, but the pieces of a back
+# on both sides of the robot.
+LIMB_SHARE = 0.6
 
 
 def _empty(*shape: int) -> FloatArray:
@@ -31,7 +47,9 @@ class BodyObservation:
             is not found they are those of the last frame in which it was.
         completed_areas: (m,) surface each of them stands for, m^2.
         area: Visible skin of the back, m^2.
-        visible_fraction: `area` over the largest area seen so far.
+        template: The back as it was when nothing hid it; None until then.
+        reference_area: Largest such area seen so far, this frame included, m^2.
+        visible_fraction: `area` over `reference_area`.
         found: Whether enough of the back is visible to go on.
         R_WC: (3, 3) orientation of the camera in W.
         p_WC: (3,) position of the camera in W, metres.
@@ -47,6 +65,8 @@ class BodyObservation:
     completed_points_W: FloatArray = field(default_factory=lambda: _empty(0, 3))
     completed_areas: FloatArray = field(default_factory=lambda: _empty(0))
     area: float = 0.0
+    template: BackTemplate | None = None
+    reference_area: float = 0.0
     visible_fraction: float = 0.0
     found: bool = False
     R_WC: FloatArray = field(default_factory=lambda: np.eye(3))
@@ -67,7 +87,13 @@ class SegmentationConfig:
         gap_radius: Gaps in the skin that a disc of this radius cannot enter are
             closed.
         hole_area: Holes up to this area, such as wounds, belong to the back, m^2.
-        torso_radius: The torso is what a disc of this radius covers.
+        max_rise: Skin whose normal has more than this cosine with the vertical is
+            the top of a shoulder.
+        min_breadth: The back ends, above and below, where it is less broad than
+            this share of its greatest breadth.
+        torso_radius: The torso is what a disc of at least this radius covers.
+        torso_share: The disc's radius as a share of that of the largest disc
+            inside the skin: the shoulders of stout people are stouter too.
         min_pixels: Fewer visible pixels are no back.
         min_fraction: A smaller share of the largest area seen is no back.
 
@@ -83,7 +109,10 @@ class SegmentationConfig:
     jump: float = 0.03
     gap_radius: float = 0.02
     hole_area: float = 0.02
+    max_rise: float = 0.94
+    min_breadth: float = 0.5
     torso_radius: float = 0.075
+    torso_share: float = 0.52
     min_pixels: int = 400
     min_fraction: float = 0.3
 
@@ -124,7 +153,7 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
     crimson = cv2.inRange(
         hsv, np.array([180 - limit // 2, low_s, low_v]), np.array([180, 255, 255])
     )
-    return np.asarray((orange | crimson).astype(bool))
+    return np.asarray((orange > 0) | (crimson > 0))
 
 
 def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:
@@ -141,6 +170,7 @@ def segment_back(
     points_W: FloatArray,
     robot_mask: BoolArray,
     config: SegmentationConfig,
+    expected: BoolArray | None = None,
 ) -> tuple[BoolArray, BoolArray]:
     """Finds the back: workspace box, skin colour, largest component, torso.
 
@@ -149,33 +179,109 @@ def segment_back(
         points_W: (H, W, 3), metres; NaN where nothing was measured.
         robot_mask: (H, W) pixels that may show the robot.
         config: What to take for a back.
+        expected: (H, W) where the back was last; without it the convex hull of
+            what is visible stands in.
 
     Returns:
         The visible back and the completed one, (H, W) each. The first holds no
-        pixel of the robot; the second adds those of them that lie in the convex
-        hull of the first. Both are empty if there is no torso.
+        pixel of the robot; the second adds those of them that are `expected` to
+        hide the back. Both are empty if there is no torso.
     """
-    nothing = np.zeros(robot_mask.shape, dtype=bool)
-    boxed = inside_box(points_W, config.box_low_W, config.box_high_W) & ~robot_mask
-    jumps = behind_jump(points_W, boxed, config.jump) & ~morphology.dilate(
-        robot_mask, 1.5
+    visible = np.zeros(robot_mask.shape, dtype=bool)
+    completed = visible.copy()
+    boxed = inside_box(points_W, config.box_low_W, config.box_high_W)
+    window = _window(boxed)
+    if window is not None:
+        visible[window], completed[window] = _segment(
+            np.ascontiguousarray(colour[window]),
+            points_W[window],
+            np.ascontiguousarray(boxed[window]),
+            np.ascontiguousarray(robot_mask[window]),
+            config,
+            None if expected is None else expected[window],
+        )
+    return visible, completed
+
+
+def _window(mask: BoolArray, margin: int = 2) -> tuple[slice, slice] | None:
+    """Returns the rows and columns around a mask; None if it is empty."""
+    x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
+    if width == 0:
+        return None
+    return (
+        slice(max(y - margin, 0), y + height + margin),
+        slice(max(x - margin, 0), x + width + margin),
     )
-    solid = boxed & ~jumps
-    skin = solid & skin_mask(colour, config)
-    skin = morphology.opened(skin, 1.0)
+
+
+def _segment(
+    colour: ByteArray,
+    points_W: FloatArray,
+    boxed: BoolArray,
+    robot_mask: BoolArray,
+    config: SegmentationConfig,
+    expected: BoolArray | None,
+) -> tuple[BoolArray, BoolArray]:
+    nothing = np.zeros(boxed.shape, dtype=bool)
+    boxed = boxed & ~robot_mask
+    # Beside the robot a jump is the robot's, not the body's edge.
+    jumps = behind_jump(points_W, boxed, config.jump)
+    solid = boxed & ~(jumps & ~morphology.dilate(robot_mask, ROBOT_RIM))
+    skin = morphology.opened(solid & skin_mask(colour, config), 1.0)
     pitch = pixel_pitch(points_W, skin)
     if not pitch > 0.0:
         return nothing, nothing
     # The robot in front of the skin must not cut it in two.
-    skin = skin | (robot_mask & morphology.convex_hull(skin))
+    stout = morphology.opened(skin, LIMB_SHARE * config.torso_radius / pitch)
+    hidden = _hidden(robot_mask, stout, expected)
+    skin = skin | hidden
     skin = skin | (morphology.closed(skin, config.gap_radius / pitch) & solid)
     skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
-    torso = morphology.opened(skin, config.torso_radius / pitch)
-    torso = morphology.largest_component(torso)
-    visible = torso & ~robot_mask
-    if not visible.any():
-        return nothing, nothing
-    return visible, visible | (robot_mask & morphology.convex_hull(visible))
+    torso = morphology.stoutest_part(
+        skin, config.torso_radius / pitch, config.torso_share
+    )
+    visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config)
+    if expected is None:
+        hidden = _hidden(robot_mask, visible, None)
+    return visible, visible | hidden
+
+
+def _hidden(
+    robot_mask: BoolArray, visible: BoolArray, expected: BoolArray | None
+) -> BoolArray:
+    """Returns the robot's pixels that hide the back."""
+    if expected is not None:
+        return robot_mask & expected
+    if not robot_mask.any() or not visible.any():
+        return np.zeros_like(robot_mask)
+    return robot_mask & morphology.convex_hull(visible)
+
+
+def _trimmed(
+    points_W: FloatArray,
+    torso: BoolArray,
+    robot_mask: BoolArray,
+    config: SegmentationConfig,
+) -> BoolArray:
+    """Cuts off shoulder tops, the neck's stump and what hangs below the waist."""
+    normals = pixel_normals(points_W, torso, 2)
+    torso = torso & (normals @ UP_W <= config.max_rise)
+    points = points_W[torso]
+    if len(points) < MIN_POINTS:
+        return np.zeros_like(torso)
+    # Normals are on the camera's side: so is the point their mean leads to.
+    eye = points.mean(axis=0) + normals[torso].mean(axis=0)
+    mean, R_WP = principal_frame(points, UP_W, eye)
+    across, along = ((points - mean) @ R_WP[:, :2]).T
+    level, left, right = edges_by_level(along, across)
+    broad = right - left >= config.min_breadth * (right - left).max()
+    # Where the robot touches the back nobody knows how broad it is.
+    broad[level[morphology.dilate(robot_mask, ROBOT_RIM)[torso]]] = True
+    broad = np.flatnonzero(broad)
+    keep = (level >= broad[0]) & (level <= broad[-1])
+    rows, columns = np.nonzero(torso)
+    torso[rows[~keep], columns[~keep]] = False
+    return torso
 
 
 def _with_small_holes(

@@ -61,7 +61,7 @@ def robot_silhouette(
     if dilation_px > 0:
         size = 2 * dilation_px + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
-        canvas = cv2.dilate(canvas, disc)
+        canvas[:] = cv2.dilate(canvas, disc)
     return canvas.astype(bool)
 
 

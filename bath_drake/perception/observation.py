@@ -1,0 +1,152 @@
+"""One frame of colour and depth into a `BodyObservation`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
+from bath_drake.perception import morphology
+from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.canonical import fit_canonical_map
+from bath_drake.perception.completion import (
+    BackTemplate,
+    complete_depth,
+    covered_pixels,
+    pixel_indices,
+)
+from bath_drake.perception.pixels import pixel_areas, points_in_world
+from bath_drake.perception.segmentation import (
+    UP_W,
+    BodyObservation,
+    SegmentationConfig,
+    segment_back,
+)
+
+# A back is seen whole if the robot keeps this many pixels away from it.
+TOUCH = 3.0
+
+
+def observe_body(
+    colour: ByteArray,
+    depth: FloatArray,
+    robot_mask: BoolArray,
+    *,
+    camera: PinholeCamera,
+    R_WC: FloatArray,
+    p_WC: FloatArray,
+    config: SegmentationConfig,
+    stamp: float,
+    previous: BodyObservation | None = None,
+) -> BodyObservation:
+    """Finds the back in one frame.
+
+    Args:
+        colour: (H, W, 3 or 4), RGB.
+        depth: (H, W), metres; zero, NaN or infinite where nothing was measured.
+        robot_mask: (H, W) pixels that may show the robot.
+        camera: The camera, the same for colour and depth.
+        R_WC: (3, 3) orientation of the camera in W.
+        p_WC: (3,) position of the camera in W.
+        config: What to take for a back.
+        stamp: When the frame was taken, seconds.
+        previous: The observation before this one: it hands down the largest area
+            and the whole back seen so far, and its completed points where this
+            frame shows no back.
+
+    Returns:
+        The observation. A frame without a back is no error: `found` is False.
+
+    Raises:
+        ValueError: If an image is not of the camera's size.
+    """
+    for name, image in (("colour", colour), ("depth", depth), ("robot", robot_mask)):
+        if image.shape[:2] != camera.shape:
+            raise ValueError(
+                f"{name} image must have shape {camera.shape}, got {image.shape[:2]}"
+            )
+    previous = previous or BodyObservation()
+    R_WC = np.ascontiguousarray(R_WC, dtype=np.float64)
+    p_WC = np.ascontiguousarray(p_WC, dtype=np.float64)
+    view = _View(camera, R_WC, p_WC)
+    depth = np.asarray(depth, dtype=np.float64)
+    image_W = points_in_world(depth, camera.rays, R_WC, p_WC)
+    template_W, indices, expected = _expect(previous, view)
+    visible, completed = segment_back(colour, image_W, robot_mask, config, expected)
+    areas = pixel_areas(image_W, depth, visible, p_WC, view.focal2)
+    area = float(areas.sum())
+    reference = max(previous.reference_area, area)
+    fraction = area / reference if reference > 0.0 else 0.0
+    found = bool(visible.sum() >= config.min_pixels and fraction >= config.min_fraction)
+    points_W, point_areas = image_W[visible], areas[visible]
+    completed_W, completed_areas = previous.completed_points_W, previous.completed_areas
+    template = previous.template
+    if found:
+        completed_W, completed_areas = points_W, point_areas
+        if template is not None:
+            rows, columns = indices.T
+            behind = (rows >= 0) & robot_mask[rows, columns]
+            hidden_W, hidden_areas = template_W[behind], template.areas[behind]
+        else:
+            hidden_W, hidden_areas = _extrapolate(depth, visible, completed, view)
+        completed_W = np.concatenate([points_W, hidden_W])
+        completed_areas = np.concatenate([point_areas, hidden_areas])
+        if not (morphology.dilate(visible, TOUCH) & robot_mask).any():
+            own = fit_canonical_map(points_W, UP_W, p_WC, point_areas)
+            template = BackTemplate(own.plane_from_world(points_W), point_areas)
+    rows, columns = np.nonzero(visible)
+    return BodyObservation(
+        stamp=stamp,
+        mask=visible,
+        robot_mask=robot_mask,
+        points_W=points_W,
+        pixels=np.column_stack([columns, rows]).astype(np.int64),
+        colours=np.ascontiguousarray(colour[visible][:, :3]),
+        point_areas=point_areas,
+        completed_points_W=completed_W,
+        completed_areas=completed_areas,
+        area=area,
+        template=template,
+        reference_area=reference,
+        visible_fraction=fraction,
+        found=found,
+        R_WC=R_WC,
+        p_WC=p_WC,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    camera: PinholeCamera
+    R_WC: FloatArray
+    p_WC: FloatArray
+
+    @property
+    def focal2(self) -> float:
+        return self.camera.fx * self.camera.fy
+
+
+def _expect(
+    previous: BodyObservation, view: _View
+) -> tuple[FloatArray, IntArray, BoolArray | None]:
+    """Returns the template's points in W, their pixels, and the mask they cover."""
+    if previous.template is None:
+        return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), None
+    last = fit_canonical_map(
+        previous.completed_points_W, UP_W, view.p_WC, previous.completed_areas
+    )
+    points_W = previous.template.points_in_world(last)
+    indices = pixel_indices(points_W, view.camera, view.R_WC, view.p_WC)
+    return points_W, indices, covered_pixels(indices, view.camera.shape)
+
+
+def _extrapolate(
+    depth: FloatArray, visible: BoolArray, completed: BoolArray, view: _View
+) -> tuple[FloatArray, FloatArray]:
+    """Returns points (m, 3) in W, and their areas, of the hidden pixels."""
+    hidden = completed & ~visible
+    if not hidden.any():
+        return np.zeros((0, 3)), np.zeros(0)
+    depth = complete_depth(depth, visible, completed)
+    whole_W = points_in_world(depth, view.camera.rays, view.R_WC, view.p_WC)
+    areas = pixel_areas(whole_W, depth, completed, view.p_WC, view.focal2)
+    return whole_W[hidden], areas[hidden]

@@ -1,0 +1,182 @@
+"""Restricted areas on the skin, such as wounds, seen by their colour (Fig. 5)."""
+
+import cv2
+import numpy as np
+
+from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.notation import BoolArray, FloatArray
+from bath_drake.perception import morphology
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.segmentation import BodyObservation
+
+# Darker than this share of the skin around it is no skin. Folds and shading reach
+# 0.8, a wound on very dark skin 0.6.
+DARK_SHARE = 0.7
+
+# The skin's brightness is a quadratic in the pixel, fitted again without the dark
+# pixels this many times.
+ROUNDS = 3
+
+# Narrower than twice this, in pixels, is the rim of the mask, not an area.
+RIM = 1.0
+
+# Corners of the polygon that stands for the margin's disc.
+CORNERS = 16
+
+
+def find_restricted_areas(
+    observation: BodyObservation,
+    canonical_map: CanonicalMap,
+    margin_m: float,
+    min_area: float = 2e-4,
+) -> ObstacleSet:
+    """Finds patches much darker than the skin around them.
+
+    Args:
+        observation: The back; pixels of the robot are not in it.
+        canonical_map: Where the back is.
+        margin_m: Every point this near to a patch, along the back's plane, is
+            restricted too, metres.
+        min_area: Smaller patches are not counted, m^2.
+
+    Returns:
+        One ellipse in N around each patch: the least one that contains its points
+        with the margin around them.
+
+    Raises:
+        ValueError: If the margin is negative.
+    """
+    if not margin_m >= 0.0:
+        raise ValueError(f"margin_m must be >= 0, got {margin_m}")
+    dark = dark_pixels(observation)
+    if not dark.any():
+        return ObstacleSet()
+    count, labels = cv2.connectedComponents(dark.view(np.uint8), connectivity=8)
+    columns, rows = observation.pixels.T
+    label = labels[rows, columns]
+    areas = np.bincount(label, observation.point_areas, minlength=count)
+    p_P = canonical_map.plane_from_world(observation.points_W)[:, :2]
+    ellipses = []
+    for k in range(1, count):
+        if areas[k] < min_area:
+            continue
+        inside = label == k
+        # The skin a pixel stands for reaches half its size beyond its centre.
+        reach = margin_m + np.sqrt(observation.point_areas[inside].max() / 2.0)
+        ellipse = enclosing_ellipse(p_P[inside], reach)
+        ellipses.append(canonical_map.ellipse_to_canonical(ellipse))
+    return ObstacleSet(np.array(ellipses).reshape(-1, 5))
+
+
+def dark_pixels(observation: BodyObservation) -> BoolArray:
+    """Returns the back's pixels (H, W) much darker than the skin around them."""
+    dark = np.zeros(observation.mask.shape, dtype=bool)
+    if len(observation.pixels) == 0:
+        return dark
+    value = observation.colours.max(axis=1).astype(np.float64)
+    columns, rows = observation.pixels.T
+    x = (columns - columns.mean()) / 100.0
+    y = (rows - rows.mean()) / 100.0
+    basis = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+    skin = value > DARK_SHARE * np.median(value)
+    for _ in range(ROUNDS):
+        fit = np.linalg.lstsq(basis[skin], value[skin], rcond=None)[0]
+        skin = value > DARK_SHARE * (basis @ fit)
+        if skin.sum() < basis.shape[1]:
+            return dark  # nothing left to compare with
+    dark[rows[~skin], columns[~skin]] = True
+    return morphology.opened(dark, RIM)
+
+
+def enclosing_ellipse(points: FloatArray, margin: float) -> FloatArray:
+    """Returns the least ellipse around points (n, 2) with a margin around each.
+
+    Args:
+        points: At least one point, metres.
+        margin: Positive, metres.
+
+    Returns:
+        (5,) centre x, y, semi-axes a >= b, angle.
+    """
+    turns = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False)
+    # Corners outside the circle, so that the polygon's edges touch it.
+    disc = np.column_stack([np.cos(turns), np.sin(turns)]) / np.cos(np.pi / CORNERS)
+    spread = (points[:, None, :] + margin * disc).reshape(-1, 2)
+    hull = cv2.convexHull(spread.astype(np.float32)).reshape(-1, 2).astype(np.float64)
+    return _least_ellipse(hull)
+
+
+def _least_ellipse(points: FloatArray, tolerance: float = 1e-3) -> FloatArray:
+    """Khachiyan's algorithm; the result is scaled to contain the points exactly."""
+    n = len(points)
+    lifted = np.column_stack([points, np.ones(n)])
+    u = np.full(n, 1.0 / n)
+    for _ in range(1000):
+        inverse = np.linalg.inv(lifted.T @ (lifted * u[:, None]))
+        distance = np.einsum("ij,jk,ik->i", lifted, inverse, lifted)
+        worst = int(np.argmax(distance))
+        excess = distance[worst] / 3.0 - 1.0
+        if excess < tolerance:
+            break
+        step = (distance[worst] - 3.0) / (3.0 * (distance[worst] - 1.0))
+        u *= 1.0 - step
+        u[worst] += step
+    centre = u @ points
+    offsets = points - centre
+    scatter = 2.0 * (offsets.T @ (offsets * u[:, None]))
+    lengths, axes = np.linalg.eigh(scatter)
+    inverse = np.linalg.inv(scatter)
+    scale = np.einsum("ij,jk,ik->i", offsets, inverse, offsets).max()
+    b, a = np.sqrt(lengths * scale)
+    return np.array([*centre, a, b, np.arctan2(axes[1, 1], axes[0, 1])])
+
+
+def merge_areas(
+    known: ObstacleSet, seen: ObstacleSet, tolerance: float = 0.05
+) -> ObstacleSet:
+    """Adds what is seen now to what was known: an area once seen stays.
+
+    Half hidden by the robot, a wound looks smaller than it is; so an area never
+    shrinks and never goes away.
+
+    Args:
+        known: Areas in N from the frames before.
+        seen: Areas in N of this frame.
+        tolerance: What sticks out of a known area by less than this share of its
+            size is the camera's noise and does not enlarge it.
+
+    Returns:
+        The areas from now on: a seen one inside a known one changes nothing; one
+        that meets known ones makes one ellipse around all of them; another is added.
+    """
+    areas = [np.array(row) for row in known.theta]
+    for row in seen.theta:
+        outline = _outline(row)
+        levels = [_level(area, outline) for area in areas]
+        if any(level.max() <= (1.0 + tolerance) ** 2 for level in levels):
+            continue
+        meets = [
+            level.min() <= 1.0 or _level(row, _outline(area)).min() <= 1.0
+            for area, level in zip(areas, levels, strict=True)
+        ]
+        together = [_outline(a) for a, m in zip(areas, meets, strict=True) if m]
+        areas = [a for a, m in zip(areas, meets, strict=True) if not m]
+        areas.append(_least_ellipse(np.concatenate([outline, *together])))
+    return ObstacleSet(np.array(areas).reshape(-1, 5))
+
+
+def _outline(ellipse: FloatArray, corners: int = 64) -> FloatArray:
+    x, y, a, b, angle = ellipse
+    turns = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    c, s = np.cos(angle), np.sin(angle)
+    circle = np.column_stack([a * np.cos(turns), b * np.sin(turns)])
+    return np.asarray(np.array([x, y]) + circle @ np.array([[c, s], [-s, c]]))
+
+
+def _level(ellipse: FloatArray, points: FloatArray) -> FloatArray:
+    """Returns (u/a)^2 + (v/b)^2 of points (n, 2): one on the ellipse."""
+    x, y, a, b, angle = ellipse
+    c, s = np.cos(angle), np.sin(angle)
+    axes = np.array([[c, -s], [s, c]])
+    local = (points - np.array([x, y])) @ axes / np.array([a, b])
+    return np.asarray((local * local).sum(axis=1))

@@ -1,0 +1,75 @@
+"""From the seen body to the areas the jet must keep off."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
+
+from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.restricted import find_restricted_areas, merge_areas
+from bath_drake.perception.segmentation import BodyObservation
+from bath_drake.systems._ports import eval_value
+from bath_drake.systems.canonical_projector import unknown_map
+
+
+class RestrictedAreaDetector(LeafSystem):
+    """Finds wounds by their colour and remembers them.
+
+    .. pydrake_system::
+
+        name: RestrictedAreaDetector
+        input_ports:
+        - body_observation
+        - canonical_map
+        output_ports:
+        - sensed_obstacles
+
+    The state is the set of ellipses in N seen so far. N moves with the body, so an
+    area the robot hides now is still where it was; once seen it stays for the run
+    and only ever grows.
+    """
+
+    def __init__(self, *, margin: float, period: float, min_area: float = 2e-4) -> None:
+        """Declares ports and state.
+
+        Args:
+            margin: Kept around each area, metres.
+            period: Seconds between looks; the camera's.
+            min_area: Smaller areas are not counted, m^2.
+
+        Raises:
+            ValueError: If the margin is negative or another number not positive.
+        """
+        super().__init__()
+        if not (np.isfinite(margin) and margin >= 0.0):
+            raise ValueError(f"margin must be >= 0, got {margin}")
+        if not (np.isfinite(period) and period > 0.0):
+            raise ValueError(f"period must be positive, got {period}")
+        if not min_area > 0.0:
+            raise ValueError(f"min_area must be positive, got {min_area}")
+        self._margin = margin
+        self._min_area = min_area
+        self._observation = self.DeclareAbstractInputPort(
+            "body_observation", Value(BodyObservation())
+        )
+        self._map = self.DeclareAbstractInputPort("canonical_map", Value(unknown_map()))
+        self._areas = self.DeclareAbstractState(Value(ObstacleSet()))
+        self.DeclareStateOutputPort("sensed_obstacles", self._areas)
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._look)
+
+    def _look(self, context: Context, state: State) -> EventStatus:
+        observation = eval_value(self._observation, context, BodyObservation)
+        if not observation.found:
+            return EventStatus.DidNothing()
+        last: Any = context.get_abstract_state(int(self._areas))
+        seen = find_restricted_areas(
+            observation,
+            eval_value(self._map, context, CanonicalMap),
+            self._margin,
+            self._min_area,
+        )
+        areas = merge_areas(last.get_value(), seen)
+        state.get_mutable_abstract_state(int(self._areas)).set_value(areas)
+        return EventStatus.Succeeded()
