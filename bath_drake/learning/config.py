@@ -1,0 +1,75 @@
+"""What can be chosen about learning."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from bath_drake.learning.cost import ValidityMargins
+from bath_drake.learning.seeding import MAX_OBSTACLES
+
+Method = Literal["auto", "paper"]
+
+
+@dataclass(frozen=True)
+class LearnerConfig:
+    """How a skill is learned.
+
+    Raises:
+        ValueError: A value is out of its range.
+    """
+
+    method: Method = "auto"
+    """'auto': genetic search with multiple shooting as local descent.
+    'paper': genetic search and gradient descent on the Fréchet distance of whole
+    roll-outs, as in Sec. III-C."""
+    obstacles: int | None = None
+    """How many ellipses, 0 to 12; None tries counts from the stroke's bends."""
+    seed: int = 0
+    """Seed of the one random generator."""
+    population: int | None = None
+    """Members of a generation, at least 4; None: 16 ('auto') or 40 ('paper')."""
+    generations: int | None = None
+    """Generations for each obstacle count; None: 6 ('auto') or 40 ('paper')."""
+    seeds: int = 400
+    """First members among which the first population is chosen."""
+    target: float = 0.02
+    """Fréchet distance to the mean, over the strokes' scale, at which 'auto' is
+    content and tries no further obstacle count."""
+    workspace_radius: float = 2.0
+    """Radius of the round workspace, in N, about its origin."""
+    points: int = 160
+    """Points to which every demonstration is resampled."""
+    margins: ValidityMargins = field(default_factory=ValidityMargins)
+    """Distances that keep the field valid."""
+
+    def __post_init__(self) -> None:
+        if self.method not in ("auto", "paper"):
+            raise ValueError(f"method must be 'auto' or 'paper', got {self.method!r}")
+        if self.obstacles is not None and not 0 <= self.obstacles <= MAX_OBSTACLES:
+            raise ValueError(
+                f"obstacles must be in 0..{MAX_OBSTACLES}, got {self.obstacles}"
+            )
+        if self.population is not None and self.population < 4:
+            raise ValueError(f"population must be >= 4, got {self.population}")
+        if self.generations is not None and self.generations < 0:
+            raise ValueError(f"generations must be >= 0, got {self.generations}")
+        if self.seeds < 1:
+            raise ValueError(f"seeds must be >= 1, got {self.seeds}")
+        if self.points < 20:
+            raise ValueError(f"points must be >= 20, got {self.points}")
+        if not self.workspace_radius > 0.0:
+            raise ValueError(
+                f"workspace_radius must be positive, got {self.workspace_radius}"
+            )
+
+    @classmethod
+    def quick(cls, seed: int = 0, method: Method = "auto") -> "LearnerConfig":
+        """A few seconds' effort, for tests and first looks; expect a worse fit."""
+        return cls(
+            method=method,
+            seed=seed,
+            population=8,
+            generations=2,
+            seeds=100,
+            target=0.05,
+            points=100,
+        )
