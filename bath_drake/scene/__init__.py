@@ -1,1 +1,22 @@
 """The shower scene: person, arm, room, camera, and the numbers of it all."""
+
+from bath_drake.scene.arm import ArmGeometry, home_position, make_control_plant
+from bath_drake.scene.assembly import Scene, add_scene
+from bath_drake.scene.config import ArmConfig, CameraConfig, SceneConfig, WoundConfig
+from bath_drake.scene.motion import MotionConfig
+from bath_drake.scene.people import Person, load_person
+
+__all__ = [
+    "ArmConfig",
+    "ArmGeometry",
+    "CameraConfig",
+    "MotionConfig",
+    "Person",
+    "Scene",
+    "SceneConfig",
+    "WoundConfig",
+    "add_scene",
+    "home_position",
+    "load_person",
+    "make_control_plant",
+]

@@ -1,6 +1,7 @@
 """Puts the scene into a DiagramBuilder: room, person, arm, camera."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.geometry import (
@@ -49,7 +50,9 @@ from bath_drake.scene.room import (
     obj_mesh,
 )
 from bath_drake.scene.wound import WoundPatch, wound_patch
-from bath_drake.systems.patient_motion import PatientMotion
+
+if TYPE_CHECKING:
+    from bath_drake.systems.patient_motion import PatientMotion
 
 # Labels of the person's parts in the label image, for tests and verification.
 PERSON_LABELS = {part: 100 + k for k, part in enumerate(PARTS)}
@@ -81,7 +84,7 @@ class Scene:
     plant: MultibodyPlant
     scene_graph: SceneGraph
     camera: RgbdSensor
-    patient_motion: PatientMotion
+    patient_motion: "PatientMotion"
     arm: ModelInstanceIndex
     person: Person
     person_frame: FrameId
@@ -133,6 +136,9 @@ def add_scene(
     add_pedestal(scene_graph, room, config.arm)
     add_camera_stand(scene_graph, room, config.camera)
     source, frame, wound = _add_person(scene_graph, person, config)
+    # Imported here: systems take their mathematics from this very package.
+    from bath_drake.systems.patient_motion import PatientMotion
+
     motion = PatientMotion(
         frame_id=frame,
         motion=config.motion,

@@ -1,0 +1,118 @@
+"""From a desired nozzle pose to a smooth spatial velocity: pure arithmetic.
+
+Spatial velocities are (6,): angular part first (rad/s), then the translation of
+E's origin (m/s), both in W, as Drake orders them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.notation import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackingConfig:
+    """Gains and limits of the pose tracking.
+
+    The gain takes the position error away within some 1/gain seconds. The feed-
+    forward is the desired pose's own velocity, low-pass filtered, so that a pose
+    that moves steadily is followed without a lag, while a jump of the pose moves
+    the nozzle only at the gain's pace and within the limits.
+    """
+
+    gain: float = 20.0  # 1/s
+    feed_forward_time: float = 0.08  # s, time constant of its low-pass filter
+    speed: float = 0.12  # m/s
+    angular_speed: float = 1.0  # rad/s
+    acceleration: float = 2.5  # m/s^2
+    angular_acceleration: float = 20.0  # rad/s^2
+
+    def __post_init__(self) -> None:
+        """Raises ValueError unless every number is positive and finite."""
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} must be positive and finite, got {value}")
+
+
+def rotation_vector(R: FloatArray) -> FloatArray:
+    """Returns axis times angle (3,), rad, of a rotation (3, 3); angle in [0, pi]."""
+    vector = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine = float(np.linalg.norm(vector))
+    cosine = 0.5 * (float(np.trace(R)) - 1.0)
+    if sine > 1e-7:
+        scaled: FloatArray = vector / sine * np.arctan2(sine, cosine)
+        return scaled
+    if cosine > 0.0:
+        return vector
+    # Half a turn: the axis is the column of R + 1 that is not zero.
+    axis = (R + np.eye(3))[:, int(np.argmax(np.diag(R)))]
+    half: FloatArray = np.pi * axis / np.linalg.norm(axis)
+    return half
+
+
+def pose_difference(
+    R_from: FloatArray, p_from: FloatArray, R_to: FloatArray, p_to: FloatArray
+) -> FloatArray:
+    """Returns (6,) rotation vector (rad) and translation (m) between two poses."""
+    return np.concatenate([rotation_vector(R_to @ R_from.T), p_to - p_from])
+
+
+def is_pose(R: FloatArray, p: FloatArray) -> bool:
+    """Whether R (3, 3) is a rotation and p (3,) finite."""
+    if not (np.isfinite(R).all() and np.isfinite(p).all()):
+        return False
+    # Well above rounding, far below any real change of shape.
+    return bool(np.abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0)
+
+
+def limited(twist: FloatArray, angular: float, linear: float) -> FloatArray:
+    """Returns the twist (6,) with both parts' norms bounded, directions kept."""
+    result = np.array(twist, dtype=np.float64)
+    for part, bound in ((slice(0, 3), angular), (slice(3, 6), linear)):
+        norm = float(np.linalg.norm(result[part]))
+        if norm > bound:
+            result[part] *= bound / norm
+    return result
+
+
+def next_feed_forward(
+    previous: FloatArray, moved: FloatArray, config: TrackingConfig, dt: float
+) -> FloatArray:
+    """Returns the filtered velocity (6,) of the desired pose.
+
+    Args:
+        previous: (6,) the filter's last output.
+        moved: (6,) how far the desired pose moved in the last `dt`.
+        config: Filter time and limits.
+        dt: s.
+    """
+    # A jump is no velocity: what enters the filter is bounded.
+    raw = limited(moved / dt, config.angular_speed, config.speed)
+    share = dt / (config.feed_forward_time + dt)
+    return previous + share * (raw - previous)
+
+
+def next_twist(
+    previous: FloatArray,
+    error: FloatArray,
+    feed_forward: FloatArray,
+    config: TrackingConfig,
+    dt: float,
+) -> FloatArray:
+    """Returns the spatial velocity (6,) to command next.
+
+    Args:
+        previous: (6,) the one commanded last.
+        error: (6,) from the commanded to the desired pose.
+        feed_forward: (6,) of `next_feed_forward`.
+        config: Gains and limits.
+        dt: s.
+    """
+    wanted = limited(
+        feed_forward + config.gain * error, config.angular_speed, config.speed
+    )
+    change = limited(
+        wanted - previous, config.angular_acceleration * dt, config.acceleration * dt
+    )
+    return previous + change

@@ -1,0 +1,240 @@
+"""Differential inverse kinematics of the arm as a Drake system."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
+from pydrake.multibody.inverse_kinematics import (
+    DifferentialInverseKinematicsParameters,
+    DifferentialInverseKinematicsStatus,
+    DoDifferentialInverseKinematics,
+)
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from bath_drake.notation import FloatArray
+from bath_drake.scene.pose_tracking import (
+    TrackingConfig,
+    is_pose,
+    next_feed_forward,
+    next_twist,
+    pose_difference,
+)
+from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
+from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
+
+STATUS_OK, STATUS_STUCK = 0.0, 1.0
+
+# Layout of the discrete state: the command, then the tracking's memory.
+_Q, _V = slice(0, 7), slice(7, 14)
+_TWIST, _FEED_FORWARD = slice(14, 20), slice(20, 26)
+_DESIRED = slice(26, 38)  # the last desired pose, rows of [R | p]; NaN-free
+_SEEN, _STATUS, _FAILURES = 38, 39, 40
+_SIZE = 41
+
+
+class DifferentialIk(LeafSystem):
+    """Turns a desired nozzle pose into joint commands, step by step.
+
+    .. pydrake_system::
+
+        name: DifferentialIk
+        input_ports:
+        - desired_nozzle_pose
+        - hold
+        output_ports:
+        - joint_command
+        - ik_status
+
+    `desired_nozzle_pose` is X_WE (RigidTransform); `hold` (1) above 0.5 keeps the
+    last command. `joint_command` (14) is q, v for the plant's desired-state port;
+    `ik_status` (1) is 0 ok, 1 stuck, no solution or no usable pose. While held, or
+    without a usable pose or a solution, q stays and v is zero: nothing that is not
+    finite ever leaves. Discrete state, updated with the period `time_step`.
+
+    Drake's DoDifferentialInverseKinematics keeps the direction of the wanted
+    velocity and stays within joint limits; the pose error is turned into that
+    velocity with a bounded gain, speed and acceleration.
+    """
+
+    def __init__(
+        self,
+        *,
+        plant: MultibodyPlant,
+        home: FloatArray,
+        tracking: TrackingConfig | None = None,
+        time_step: float = 0.005,
+        joint_margin: float = 0.08,
+        speed_fraction: float = 0.5,
+        joint_acceleration: float = 20.0,
+        centering_gain: float = 1.0,
+    ) -> None:
+        """Declares ports, state and the periodic update.
+
+        Args:
+            plant: The arm alone, finalised, seven positions.
+            home: (7,) initial command and nominal posture, rad.
+            tracking: Gains and limits of the pose tracking; None for the defaults.
+            time_step: Period of the update, s.
+            joint_margin: Kept from both ends of each joint's range, rad.
+            speed_fraction: Of each joint's speed limit, in (0, 1].
+            joint_acceleration: Bound on each joint's command, rad/s^2.
+            centering_gain: Pull to the nominal posture in the null space, 1/s.
+
+        Raises:
+            ValueError: If a number is out of range or home outside the limits.
+        """
+        super().__init__()
+        _check(
+            time_step=time_step,
+            speed_fraction=speed_fraction,
+            joint_acceleration=joint_acceleration,
+            centering_gain=centering_gain,
+        )
+        if plant.num_positions() != 7:
+            raise ValueError(
+                f"plant must have 7 positions, got {plant.num_positions()}"
+            )
+        if not speed_fraction <= 1.0:
+            raise ValueError(f"speed_fraction must be at most 1, got {speed_fraction}")
+        low = np.array(plant.GetPositionLowerLimits()) + joint_margin
+        high = np.array(plant.GetPositionUpperLimits()) - joint_margin
+        home = np.array(home, dtype=np.float64)
+        if home.shape != (7,) or not ((home >= low) & (home <= high)).all():
+            raise ValueError(
+                f"home must be 7 positions within {low.tolist()} and {high.tolist()},"
+                f" got {home.tolist()}"
+            )
+        self._time_step = time_step
+        self._tracking = TrackingConfig() if tracking is None else tracking
+        self._plant = plant
+        self._frame = plant.GetFrameByName(NOZZLE_FRAME)
+        # A scratch pad, written before every use: it remembers nothing.
+        self._scratch = plant.CreateDefaultContext()
+        self._parameters = _parameters(
+            plant, home, (low, high), time_step, speed_fraction, joint_acceleration
+        )
+        self._parameters.set_joint_centering_gain(
+            drake_vector(centering_gain * np.eye(7))
+        )
+        self._desired = self.DeclareAbstractInputPort(
+            "desired_nozzle_pose", Value(RigidTransform())
+        )
+        self._hold = self.DeclareVectorInputPort("hold", 1)
+        start = np.zeros(_SIZE)
+        start[_Q] = home
+        state = self.DeclareDiscreteState(drake_vector(start))
+        self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.0, self._update)
+        ticket = {self.discrete_state_ticket(state)}
+        self.DeclareVectorOutputPort("joint_command", 14, self._calc_command, ticket)
+        self.DeclareVectorOutputPort("ik_status", 1, self._calc_status, ticket)
+
+    def failures(self, context: Context) -> int:
+        """Returns how many updates found no usable pose or no solution."""
+        return int(_state(context)[_FAILURES])
+
+    def set_command(self, context: Context, q: FloatArray) -> None:
+        """Puts the command (7,), rad, into this system's own `context`, at rest."""
+        state = np.zeros(_SIZE)
+        state[_Q] = q
+        context.SetDiscreteState(drake_vector(state))
+
+    def _update(self, context: Any, discrete_state: Any) -> None:
+        state = _state(context)
+        held = eval_vector(self._hold, context)[0] > 0.5
+        X_WE = eval_value(self._desired, context, RigidTransform)
+        R, p = np.array(X_WE.rotation().matrix()), np.array(X_WE.translation())
+        if held:
+            state = _at_rest(state, STATUS_OK)
+        elif not is_pose(R, p):
+            state = _at_rest(state, STATUS_STUCK)
+        else:
+            state = self._step(state, R, p)
+        discrete_state.set_value(drake_vector(state))
+
+    def _step(self, state: FloatArray, R_d: FloatArray, p_d: FloatArray) -> FloatArray:
+        dt, tracking = self._time_step, self._tracking
+        self._plant.SetPositions(self._scratch, drake_vector(state[_Q]))
+        self._plant.SetVelocities(self._scratch, drake_vector(state[_V]))
+        X_WE = self._frame.CalcPoseInWorld(self._scratch)
+        R, p = np.array(X_WE.rotation().matrix()), np.array(X_WE.translation())
+        feed_forward = np.zeros(6)
+        if state[_SEEN] > 0.5:
+            last = state[_DESIRED].reshape(3, 4)
+            moved = pose_difference(last[:, :3], last[:, 3], R_d, p_d)
+            feed_forward = next_feed_forward(state[_FEED_FORWARD], moved, tracking, dt)
+        error = pose_difference(R, p, R_d, p_d)
+        twist = next_twist(state[_TWIST], error, feed_forward, tracking, dt)
+        result = DoDifferentialInverseKinematics(  # type: ignore[no-untyped-call] # stub
+            self._plant,
+            self._scratch,
+            drake_vector(twist),
+            self._frame,
+            self._parameters,
+        )
+        v = result.joint_velocities
+        solved = result.status == DifferentialInverseKinematicsStatus.kSolutionFound
+        if not solved or v is None or not np.isfinite(v).all():
+            return _at_rest(state, STATUS_STUCK)
+        after = state.copy()
+        after[_Q] = state[_Q] + dt * v
+        after[_V] = v
+        # What the joints really do: the solver may have slowed the motion down.
+        after[_TWIST] = self._spatial_velocity(v)
+        after[_FEED_FORWARD] = feed_forward
+        after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
+        after[_SEEN], after[_STATUS] = 1.0, STATUS_OK
+        return after
+
+    def _spatial_velocity(self, v: FloatArray) -> FloatArray:
+        self._plant.SetVelocities(self._scratch, drake_vector(v))
+        V_WE = self._frame.CalcSpatialVelocityInWorld(self._scratch)
+        return np.concatenate([V_WE.rotational(), V_WE.translational()])
+
+    def _calc_command(self, context: Any, output: BasicVector) -> None:
+        set_vector(output, _state(context)[: _V.stop])
+
+    def _calc_status(self, context: Any, output: BasicVector) -> None:
+        set_vector(output, [_state(context)[_STATUS]])
+
+
+def _check(**positive: float) -> None:
+    for name, value in positive.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be positive and finite, got {value}")
+
+
+def _parameters(
+    plant: MultibodyPlant,
+    home: FloatArray,
+    limits: tuple[FloatArray, FloatArray],
+    time_step: float,
+    speed_fraction: float,
+    joint_acceleration: float,
+) -> DifferentialInverseKinematicsParameters:
+    parameters = DifferentialInverseKinematicsParameters(7, 7)
+    parameters.set_time_step(time_step)
+    parameters.set_nominal_joint_position(drake_vector(home))
+    low, high = limits
+    parameters.set_joint_position_limits((drake_vector(low), drake_vector(high)))
+    speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
+    parameters.set_joint_velocity_limits((drake_vector(-speed), drake_vector(speed)))
+    bound = np.full(7, joint_acceleration)
+    parameters.set_joint_acceleration_limits(
+        (drake_vector(-bound), drake_vector(bound))
+    )
+    return parameters
+
+
+def _state(context: Context) -> FloatArray:
+    return np.array(context.get_discrete_state_vector().value(), dtype=np.float64)
+
+
+def _at_rest(state: FloatArray, status: float) -> FloatArray:
+    """The same joint positions, everything else forgotten."""
+    rest = np.zeros(_SIZE)
+    rest[_Q] = state[_Q]
+    rest[_STATUS] = status
+    rest[_FAILURES] = state[_FAILURES] + (status != STATUS_OK)
+    return rest
