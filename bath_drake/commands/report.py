@@ -1,0 +1,17 @@
+"""`bath-drake report`."""
+
+import argparse
+from pathlib import Path
+
+from bath_drake.report import write_report
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Takes the folder of a run."""
+    parser.add_argument("folder", metavar="DIR", type=Path, help="a run's folder")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Writes report.html, prints its path; returns 0."""
+    print(write_report(options.folder))
+    return 0

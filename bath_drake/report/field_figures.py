@@ -1,0 +1,234 @@
+"""Figures in canonical space: demonstrations, learned field, executed path."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from bath_drake.field.navigation import (
+    NavigationField,
+    flow_direction,
+    ln_phi,
+    min_beta,
+)
+from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.notation import FloatArray
+from bath_drake.report import style
+
+_GRID = 181
+_LEVELS = 14
+_HEIGHT_MAP = LinearSegmentedColormap.from_list("height", ["#ffffff", "#c3ccd6"])
+
+
+def draw_demonstrations(
+    raw: Sequence[FloatArray], processed: Sequence[FloatArray], mean: FloatArray
+) -> Figure:
+    """Draws demonstrations as recorded and as processed, (n, 2) each, in N."""
+    figure = style.new_figure(4.6)
+    left, right = figure.subplots(1, 2)
+    for index, path in enumerate(raw):
+        shade = style.demonstration_shade(index)
+        label = f"recording {index + 1}"
+        left.plot(*path.T, ".-", color=shade, lw=0.8, ms=3.0, label=label)
+    left.set_title("As recorded")
+    for index, path in enumerate(processed):
+        shade = style.demonstration_shade(index)
+        right.plot(*path.T, color=shade, lw=1.6, label=f"demonstration {index + 1}")
+    right.plot(*mean.T, color=style.DEMONSTRATION, lw=2.4, label="arc-length mean")
+    right.set_title("Denoised, equally spaced by arc length")
+    _mark_ends(right, mean[0], mean[-1])
+    for axes in (left, right):
+        _canonical_axes(axes)
+        _body_box(axes)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
+    return figure
+
+
+def draw_field(
+    field: NavigationField,
+    demonstrations: Sequence[FloatArray],
+    mean: FloatArray,
+    rollout: FloatArray,
+    frechet: str,
+) -> Figure:
+    """Draws the learned field, and its roll-out on the demonstrations.
+
+    Args:
+        field: The learned field.
+        demonstrations: Paths (n, 2) in N.
+        mean: Their mean (n, 2).
+        rollout: The field's own path (n, 2) from the learned start.
+        frechet: What to say about the distance of the two.
+    """
+    figure = style.new_figure(5.4)
+    left, right = figure.subplots(1, 2, width_ratios=[1.12, 1.0])
+    _draw_flow(left, field, figure)
+    _draw_obstacles(left, field.obstacles, "virtual obstacle")
+    left.plot(*rollout.T, color=style.REPRODUCTION, lw=2.4, label="reproduction")
+    _mark_ends(left, rollout[0], field.goal)
+    _canonical_axes(left, grid=False)
+    left.set_title("Learned field: ln φ (grey) and flow along −∇φ")
+    for index, path in enumerate(demonstrations):
+        right.plot(*path.T, color=style.demonstration_shade(index), lw=1.2)
+    right.plot(*mean.T, color=style.DEMONSTRATION, lw=2.4, label="demonstrations, mean")
+    right.plot(*rollout.T, color=style.REPRODUCTION, lw=2.0, label="reproduction")
+    _mark_ends(right, rollout[0], field.goal)
+    _zoom(right, [*demonstrations, mean, rollout])
+    _canonical_axes(right)
+    right.set_title(f"Reproduction against demonstrations\n{frechet}")
+    for axes in (left, right):
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=2)
+    return figure
+
+
+def draw_executed(
+    executed: FloatArray,
+    mean: FloatArray,
+    demonstrations: Sequence[FloatArray],
+    rollout: FloatArray,
+    wounds: Sequence[FloatArray],
+    areas: ObstacleSet,
+    frechet: str,
+) -> Figure:
+    """Draws where the skin was washed, in the true canonical space.
+
+    Args:
+        executed: Washed points (n, 2).
+        mean: Mean demonstration (n, 2).
+        demonstrations: Paths (n, 2).
+        rollout: The plan without restricted areas (n, 2).
+        wounds: True outlines (m, 2) of restricted areas.
+        areas: The areas as last sensed by the camera.
+        frechet: What to say about the distance to the mean demonstration.
+    """
+    figure = style.new_figure(5.6, width=8.2)
+    axes = figure.subplots()
+    for index, path in enumerate(demonstrations):
+        shade = style.demonstration_shade(index)
+        axes.plot(*path.T, color=shade, lw=1.2, alpha=0.8)
+    axes.plot(*mean.T, color=style.DEMONSTRATION, lw=2.4, label="demonstrations, mean")
+    axes.plot(
+        *rollout.T,
+        color=style.REPRODUCTION,
+        lw=1.1,
+        ls=(0, (4, 3)),
+        label="learned plan",
+    )
+    axes.plot(*executed.T, color=style.REPRODUCTION, lw=2.4, label="washed on the skin")
+    for index, outline in enumerate(wounds):
+        axes.add_patch(
+            Polygon(
+                outline,
+                facecolor=style.RESTRICTED,
+                alpha=0.55,
+                edgecolor=style.RESTRICTED,
+                label="wound, true outline" if index == 0 else None,
+            )
+        )
+    for index, outline in enumerate(areas.boundary(96)):
+        axes.add_patch(
+            Polygon(
+                outline,
+                fill=False,
+                edgecolor=style.RESTRICTED,
+                lw=1.6,
+                ls="--",
+                label="restricted area as sensed" if index == 0 else None,
+            )
+        )
+    _mark_ends(axes, rollout[0], rollout[-1])
+    _canonical_axes(axes)
+    _body_box(axes)
+    axes.set_title(f"Executed against demonstrated\n{frechet}")
+    axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
+    return figure
+
+
+def _draw_flow(axes: Axes, field: NavigationField, figure: Figure) -> None:
+    centre, semi = field.workspace.centre, field.workspace.semi_axes
+    reach = 1.04 * semi
+    x = np.linspace(centre[0] - reach[0], centre[0] + reach[0], _GRID)
+    y = np.linspace(centre[1] - reach[1], centre[1] + reach[1], _GRID)
+    q = np.stack(np.meshgrid(x, y), axis=-1)
+    free = min_beta(q, field) > 0.0
+    height = np.where(free, ln_phi(q, field), np.nan)
+    known = height[np.isfinite(height)]
+    # phi is close to 1 nearly everywhere: equal shares of the area, not equal steps.
+    levels = np.unique(np.quantile(known, np.linspace(0.002, 1.0, _LEVELS)))
+    if levels.size > 2:
+        axes.contourf(x, y, height, levels=levels, cmap=_HEIGHT_MAP, extend="min")
+        axes.contour(
+            x,
+            y,
+            height,
+            levels=levels,
+            colors="#aab4bf",
+            linewidths=0.5,
+            linestyles="-",
+        )
+    flow = flow_direction(q, field)
+    axes.streamplot(
+        x,
+        y,
+        np.where(free, flow[..., 0], np.nan),
+        np.where(free, flow[..., 1], np.nan),
+        color="#8792a0",
+        density=1.25,
+        linewidth=0.6,
+        arrowsize=0.7,
+    )
+    t = np.linspace(0.0, 2.0 * np.pi, 361)
+    power = 2.0 / field.workspace.power
+    rim = np.stack([np.cos(t), np.sin(t)], axis=1)
+    rim = centre + semi * np.sign(rim) * np.abs(rim) ** power
+    axes.plot(*rim.T, color=style.INK, lw=1.4, label="workspace")
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(y[0], y[-1])
+
+
+def _draw_obstacles(axes: Axes, obstacles: ObstacleSet, label: str) -> None:
+    for index, outline in enumerate(obstacles.boundary(96)):
+        axes.add_patch(
+            Polygon(
+                outline,
+                facecolor=style.OBSTACLE,
+                edgecolor="black",
+                lw=0.8,
+                zorder=2.5,
+                label=label if index == 0 else None,
+            )
+        )
+
+
+def _mark_ends(axes: Axes, start: FloatArray, goal: FloatArray) -> None:
+    common: dict[str, Any] = {"mec": "white", "mew": 0.9, "ls": "", "zorder": 6}
+    axes.plot(*start, "o", color=style.INK, ms=8, label="start", **common)
+    axes.plot(*goal, "*", color=style.INK, ms=14, label="goal", **common)
+
+
+def _body_box(axes: Axes) -> None:
+    box = Rectangle((-1, -1), 2, 2, fill=False, ec=style.MUTED, lw=1.0, ls=(0, (1, 2)))
+    axes.add_patch(box)
+    axes.set_xlim(-1.08, 1.08)
+    axes.set_ylim(-1.08, 1.08)
+
+
+def _zoom(axes: Axes, paths: Sequence[FloatArray]) -> None:
+    points = np.concatenate(paths)
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = 0.56 * float((high - low).max()) + 0.02
+    middle = (low + high) / 2.0
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    axes.set_ylim(middle[1] - half, middle[1] + half)
+
+
+def _canonical_axes(axes: Axes, grid: bool = True) -> None:
+    axes.set_aspect("equal")
+    axes.set_xlabel("canonical x, to the person's right [–]")
+    axes.set_ylabel("canonical y, to the head [–]")
+    axes.grid(grid)

@@ -1,0 +1,339 @@
+"""report.html: one page that holds everything, out of a run's folder."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+from matplotlib.figure import Figure
+
+from bath_drake.errors import RunFolderError
+from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.report import camera_figures, field_figures, style, time_figures
+from bath_drake.report.chain import ChainFigures, draw_chain
+from bath_drake.report.run_data import RunData, load_run
+from bath_drake.safety.approach import Phase
+from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.outcome import LoopOutcome
+from bath_drake.yaml_io import write_atomically
+
+REPORT_NAME = "report.html"
+_KEYFRAMES = 3
+
+_OUTCOMES = {
+    LoopOutcome.GOAL_REACHED.name: "The nozzle reached the goal",
+    LoopOutcome.TIMED_OUT.name: "The run timed out before the goal",
+    LoopOutcome.TOO_CLOSE.name: "The run was stopped: the nozzle came too close",
+    LoopOutcome.RUNNING.name: "The run was cut off before its end",
+}
+
+
+# As long as no motion model bends a person, whatever rig its folder holds.
+_RIGID = "The person is rigid in this run: it breathes, twists and leans as one body."
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A figure as the template shows it."""
+
+    source: str
+    text: str
+    caption: str
+
+
+def write_report(folder: Path) -> Path:
+    """Writes report.html into a run's folder, anew from its files.
+
+    Args:
+        folder: Holds scenario.yaml, skill.yaml, log.npz and metrics.json; a
+            meshcat.html beside them is linked.
+
+    Returns:
+        The path of report.html: one file, without scripts, that loads nothing.
+
+    Raises:
+        RunFolderError: If a file is missing or damaged, naming it.
+    """
+    run = load_run(Path(folder))
+    path = run.folder / REPORT_NAME
+    write_atomically(path, render_report(run), error=RunFolderError)
+    return path
+
+
+def render_report(run: RunData) -> str:
+    """Returns the page; the same run gives the same page."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("bath_drake.report", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    with style.figure_style():
+        pictures = _pictures(run)
+    return environment.get_template("report.html.jinja").render(
+        passed=run.metrics["verdict"] == "pass",
+        person=run.scenario.scene.person,
+        summary=_summary(run),
+        rigidity=_RIGID,
+        chain=draw_chain(_chain_figures(run)),
+        headline=_headline(run),
+        checks=_check_rows(run.metrics["checks"]),
+        figures=pictures,
+        frechet=_frechet_rows(run),
+        holds=_holds(run.metrics["holds"]),
+        provenance=_provenance(run),
+        command=_command(run),
+        meshcat=(run.folder / "meshcat.html").is_file(),
+    )
+
+
+def _pictures(run: RunData) -> dict[str, _Picture]:
+    """All figures by name; those the run gives nothing for are left out."""
+    pictures: dict[str, _Picture] = {}
+
+    def add(name: str, figure: Figure | None, text: str, caption: str) -> None:
+        if figure is not None:
+            raster = name in ("camera", "sequence", "cloud")
+            source = style.as_data_uri(figure, raster=raster)
+            pictures[name] = _Picture(source, text, caption)
+
+    series, field = run.evaluation, run.skill.field
+    paths = [demonstration.points for demonstration in run.demonstrations]
+    add(
+        "demonstrations",
+        field_figures.draw_demonstrations(
+            [demonstration.raw for demonstration in run.demonstrations],
+            paths,
+            series.mean_demonstration,
+        ),
+        "Demonstrations in canonical space, raw and processed",
+        "The carer's strokes in canonical space, where the back's box is the "
+        "square from −1 to 1 (dotted).",
+    )
+    add(
+        "field",
+        field_figures.draw_field(
+            field,
+            paths,
+            series.mean_demonstration,
+            series.rollout,
+            _frechet_text(run),
+        ),
+        "The learned navigation field and its path on the demonstrations",
+        "Left: the virtual obstacles shape the field so that its flow is the stroke. "
+        "Right: the field's own path (red) on the demonstrations (blue).",
+    )
+    executed = _number(run.metrics["frechet"].get("executed"))
+    frame = run.main_keyframe
+    add(
+        "executed",
+        field_figures.draw_executed(
+            series.executed,
+            series.mean_demonstration,
+            paths,
+            series.rollout,
+            series.wound_polygons_N,
+            run.keyframes[-1].areas if run.keyframes else ObstacleSet(),
+            f"Fréchet {executed}",
+        ),
+        "The executed path against the demonstrations",
+        "Where the jet met the true skin, in the person's true canonical space: "
+        "judged from outside the loop.",
+    )
+    add(
+        "clearance",
+        time_figures.draw_clearance(run),
+        "Clearance from the wound over time",
+        "Distance on the skin between the washed point and the wound's true outline.",
+    )
+    add(
+        "time",
+        time_figures.draw_over_time(run),
+        "Distances, errors, speed and timing over time",
+        "Shaded: lining up and coming down. Yellow: the robot holds. Dashed: limits.",
+    )
+    if frame is not None:
+        _add_camera_pictures(run, add)
+    return pictures
+
+
+def _add_camera_pictures(run: RunData, add: Any) -> None:
+    frame = run.main_keyframe
+    assert frame is not None
+    done, to_come = run.path_until(frame.time), run.path_from(frame)
+    add(
+        "camera",
+        camera_figures.draw_camera_view(frame, done, to_come),
+        "The camera's view with mask, canonical box and path",
+        "What the loop knows of the person: the segmented back, its canonical box and "
+        "the path laid onto the skin it sees.",
+    )
+    add(
+        "cloud",
+        camera_figures.draw_point_cloud(frame, done, to_come),
+        "The depth image as a point cloud with path and normals",
+        "The depth image as a point cloud, with the path and the normals that the loop "
+        "estimates along it.",
+    )
+    count = len(run.keyframes)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _KEYFRAMES)).astype(int))
+    frames = [run.keyframes[k] for k in chosen]
+    add(
+        "sequence",
+        camera_figures.draw_sequence(
+            frames,
+            [run.path_until(f.time) for f in frames],
+            [run.path_from(f) for f in frames],
+        ),
+        "Key frames over time",
+        "The map follows the person's motion; the path stays where it belongs on "
+        "the back.",
+    )
+
+
+def _summary(run: RunData) -> str:
+    metrics, scenario = run.metrics, run.scenario
+    outcome = _OUTCOMES.get(run.log.outcome, f"The run ended with {run.log.outcome}")
+    when = metrics.get("time_to_goal_s")
+    after = f" after {when:.1f} s" if isinstance(when, int | float) else ""
+    count = len(run.skill.demonstration_hashes)
+    return (
+        f"{scenario.description} Person {scenario.scene.person}; skill learned from "
+        f"{count} demonstration{'s' if count != 1 else ''} with "
+        f"{len(run.skill.field.obstacles)} virtual obstacles. {outcome}{after}. "
+        f"Random seed {metrics['seed']}."
+    ).strip()
+
+
+def _headline(run: RunData) -> list[tuple[str, str]]:
+    """The figures a reader looks for first."""
+    m = run.metrics
+    surface, normal = m.get("surface_error_mm", {}), m.get("normal_error_deg", {})
+    return [
+        ("off the stand-off distance, mean", f"{_number(surface.get('mean'))} mm"),
+        ("axis against the true normal, mean", f"{_number(normal.get('mean'))}°"),
+        ("Fréchet, learned", _number(m["frechet"].get("learned"))),
+        ("Fréchet, executed", _number(m["frechet"].get("executed"))),
+        ("real-time factor", _number(m.get("real_time_factor"))),
+    ]
+
+
+def _frechet_text(run: RunData) -> str:
+    """Learned, executed and floor, as far as the skill knows them."""
+    learned = _number(run.metrics["frechet"].get("learned"))
+    parts = [f"Fréchet {learned}"]
+    floor = run.skill.frechet.get("floor")
+    if floor is not None:
+        parts.append(f"floor {_number(floor)}")
+    return ", ".join(parts)
+
+
+def _frechet_rows(run: RunData) -> list[tuple[str, str]]:
+    """The run's figures, then what the learner noted; the raw scale last."""
+    of_run = dict(run.metrics["frechet"])
+    scale = of_run.pop("scale", None)
+    rows = [(_words(name), _number(value)) for name, value in of_run.items()]
+    rows += [
+        (f"in learning: {_words(name)}", _number(value))
+        for name, value in run.skill.frechet.items()
+    ]
+    if scale is not None:
+        rows.append(("1 stands for, in canonical units", _number(scale)))
+    return rows
+
+
+def _chain_figures(run: RunData) -> ChainFigures:
+    m, log, field = run.metrics, run.log, run.skill.field
+    frame = run.main_keyframe
+    reach = log.keyframe_reach[frame.index] if frame else (float("nan"),) * 2
+    half = frame.canonical_map.half_extents if frame else np.full(2, np.nan)
+    sensed = len(frame.areas) if frame else 0
+    holds = int(sum(m["holds"].values()))
+    return ChainFigures(
+        camera=f"{int(log.frames)} frames",
+        segmenter=f"{100 * reach[0]:.0f} % of it visible",
+        projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm",
+        controller=f"min β {_number(m.get('min_beta'))}",
+        obstacles=f"{len(field.obstacles)} ellipses, κ {_number(field.kappa)}",
+        areas=f"{sensed} found",
+        surface=f"normal {_number(m.get('normal_error_deg', {}).get('mean'))}° off",
+        ik=f"{holds} hold{'s' if holds != 1 else ''}",
+        arm=f"{_number(m.get('surface_error_mm', {}).get('mean'))} mm off",
+        tracker=f"{_number(_lag(run))} mm behind",
+    )
+
+
+def _lag(run: RunData) -> float:
+    """Mean distance of the nozzle behind its reference while washing, mm."""
+    log, frame = run.log, run.main_keyframe
+    if frame is None:
+        return float("nan")
+    apart = (log.canonical_reference - log.canonical_position)[log.phase == Phase.WASH]
+    apart = apart * frame.canonical_map.half_extents
+    return 1e3 * float(np.linalg.norm(apart, axis=1).mean()) if len(apart) else 0.0
+
+
+def _check_rows(checks: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": _words(name),
+            "value": _number(check["value"]),
+            "limit": _number(check["limit"]),
+            "passed": bool(check["pass"]),
+        }
+        for name, check in checks.items()
+    ]
+
+
+def _words(name: str) -> str:
+    """A check's key as words: units in brackets."""
+    for end, unit in (("_mm", "mm"), ("_deg", "°"), ("_s", "s"), ("_m_s", "m/s")):
+        if name.endswith(end):
+            return f"{name.removesuffix(end).replace('_', ' ')} [{unit}]"
+    return name.replace("_", " ").replace("frechet", "Fréchet")
+
+
+def _number(value: Any) -> str:
+    """A figure with three digits; a dash for none."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | np.integer):
+        return str(value)
+    if isinstance(value, float | np.floating):
+        if not np.isfinite(value):
+            return "–"
+        number = float(value)
+        return f"{number:.3g}" if abs(number) < 1000.0 else f"{number:.0f}"
+    return str(value)
+
+
+def _holds(holds: Mapping[str, float]) -> list[tuple[str, int]]:
+    names = [
+        reason.name.lower() for reason in HoldReason if reason is not HoldReason.NONE
+    ]
+    known = {str(name).lower(): int(count) for name, count in holds.items()}
+    known.pop("none", None)
+    return [(_words(n), known.get(n, 0)) for n in dict.fromkeys([*names, *known])]
+
+
+def _provenance(run: RunData) -> list[tuple[str, str]]:
+    rows = [("seed", str(run.metrics["seed"]))]
+    rows += [(str(k), str(v)) for k, v in run.metrics["versions"].items()]
+    rows += [
+        (f"demonstration {k + 1}, SHA-256", digest)
+        for k, digest in enumerate(run.skill.demonstration_hashes)
+    ]
+    verdict = run.metrics.get("certificate")
+    if isinstance(verdict, Mapping):
+        verdict = verdict.get("verdict")
+    rows.append(("field check", str(verdict)))
+    return rows
+
+
+def _command(run: RunData) -> str:
+    return "bath-drake simulate scenario.yaml --skill skill.yaml"
