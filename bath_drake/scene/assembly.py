@@ -37,7 +37,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
 from bath_drake.scene._poses import at, rotation_from
-from bath_drake.scene.arm import add_arm, home_position, make_control_plant
+from bath_drake.scene.arm import add_arm, home_position
 from bath_drake.scene.config import CameraConfig, SceneConfig, check_scene
 from bath_drake.scene.motion import person_pose
 from bath_drake.scene.people import PARTS, Person, load_person
@@ -127,7 +127,7 @@ def add_scene(
     arm = add_arm(plant, config.arm)
     plant.Finalize()
     plant.SetDefaultPositions(arm, home_position(config.arm))
-    _compensate_gravity(builder, plant, arm, config)
+    _compensate_gravity(builder, plant, arm)
     scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
     room = scene_graph.RegisterSource("room")
     add_room(scene_graph, room)
@@ -174,12 +174,12 @@ def _compensate_gravity(
     builder: DiagramBuilder,
     plant: MultibodyPlant,
     arm: ModelInstanceIndex,
-    config: SceneConfig,
 ) -> None:
     """Without it the implicit PD would let the nozzle droop."""
+    # The plant itself is the model, for the arm is all there is in it: Drake keeps
+    # a pointer only, and a plant of its own would be gone with its Python name.
     gravity = InverseDynamics(
-        make_control_plant(config.arm),
-        InverseDynamics.InverseDynamicsMode.kGravityCompensation,
+        plant, InverseDynamics.InverseDynamicsMode.kGravityCompensation
     )
     builder.AddNamedSystem("gravity_compensation", gravity)
     builder.Connect(
