@@ -26,9 +26,9 @@ class LearnerConfig:
     seed: int = 0
     """Seed of the one random generator."""
     population: int | None = None
-    """Members of a generation, at least 4; None: 16 ('auto') or 40 ('paper')."""
+    """Members of a generation, at least 4; None: 20 ('auto') or 40 ('paper')."""
     generations: int | None = None
-    """Generations for each obstacle count; None: 6 ('auto') or 40 ('paper')."""
+    """Generations for each obstacle count; None: 8 ('auto') or 40 ('paper')."""
     seeds: int = 400
     """First members among which the first population is chosen."""
     target: float = 0.02

@@ -90,7 +90,7 @@ def evolve(
     immigrants: Immigrants,
     clip: Callable[[FloatArray], FloatArray],
     improve: Improve | None = None,
-    report: Callable[[FloatArray], None] | None = None,
+    report: Callable[[FloatArray], bool] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Breeds a population; returns its members (n, P) and costs (n,), best first.
 
@@ -102,7 +102,7 @@ def evolve(
         immigrants: Makes new members.
         clip: Moves members into their bounds.
         improve: Local descent on each newborn member, if any.
-        report: Shown the best member after each generation.
+        report: Shown the best member after each generation; True ends it.
     """
 
     def settle(xs: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -130,6 +130,6 @@ def evolve(
         xs, costs = settle(np.concatenate([xs[: settings.elite], children, fresh]))
         order = np.argsort(costs, kind="stable")
         xs, costs = xs[order], costs[order]
-        if report is not None:
-            report(xs[0])
+        if report is not None and report(xs[0]):
+            break
     return xs, costs

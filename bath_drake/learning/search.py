@@ -44,13 +44,14 @@ class Journal:
         self._total = self._done + steps * self.rounds
         self.rounds -= 1
 
-    def note(self, problem: LearningProblem, x: FloatArray) -> None:
-        """Enters the best member of a step."""
+    def note(self, problem: LearningProblem, x: FloatArray) -> float:
+        """Enters the best member of a step; returns its C over the scale."""
         cost = float(problem.evaluate(x[None]).demonstration_cost[0]) / self.scale
         best = min(cost, self.history[-1][1]) if self.history else cost
         self.history.append((self.evaluations, best))
         self._done += 1
         self._tell()
+        return cost
 
     def finish(self) -> None:
         """Says that no further step comes."""
@@ -116,7 +117,7 @@ def _search_paper(
         immigrants=lambda n, r: seed_population(problem, count, n, r),
         clip=clip,
         improve=improve,
-        report=lambda x: journal.note(problem, x),
+        report=lambda x: journal.note(problem, x) <= 0.0,
     )
     xs, costs = descend(cost, xs[:_FINALISTS], scale, iterations=25, clip=clip)
     journal.note(problem, xs[int(np.argmin(costs))])
@@ -131,10 +132,9 @@ def _search_auto(
     journal: Journal,
 ) -> list[FloatArray]:
     """Genetic search whose local descent is multiple shooting on growing windows."""
-    settings = _settings(config, 16, 6)
-    strokes = problem.strokes.points
-    # Every other point will do while the basin is sought.
-    coarse = np.ascontiguousarray(strokes[:, ::2])
+    settings = _settings(config, 20, 8)
+    # While the basin is sought, every other point of the mean stroke will do.
+    coarse = np.ascontiguousarray(problem.strokes.mean[None, ::2])
     windows = shooting.cut_windows(coarse, 20, 5, 0.6)
     windows += shooting.whole_strokes(coarse, 0.4)
 
@@ -170,7 +170,7 @@ def _search_auto(
         immigrants=lambda n, r: seed_population(problem, count, n, r),
         clip=lambda xs: genome.clip(xs, problem.workspace),
         improve=improve,
-        report=lambda x: journal.note(problem, x),
+        report=lambda x: journal.note(problem, x) <= config.target,
     )
     finalists = _distinct(xs, costs)
     finished = parallel_map(lambda x: _finish(x, problem), finalists)
