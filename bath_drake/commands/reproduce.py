@@ -1,0 +1,101 @@
+"""`bath-drake reproduce`: roll a skill out, no simulator."""
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bath_drake.learning.skill import Skill
+    from bath_drake.notation import FloatArray
+
+# Along the skin, m/s, as the shipped scenarios wash.
+SPEED = 0.07
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the skill, the ends of the motion and where the path goes."""
+    parser.add_argument("skill", metavar="SKILL.yaml")
+    for name, required in (("start", True), ("goal", False)):
+        parser.add_argument(
+            f"--{name}", type=float, nargs=2, metavar=("X", "Y"), required=required
+        )
+    parser.add_argument(
+        "--frame",
+        choices=["canonical", "demonstration"],
+        default="canonical",
+        help="of start, goal and path; demonstration: skills of 2-D recordings only",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="PATH.csv",
+        help="write the path: columns t (s), x, y",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Returns 0 if the goal is reached, 1 if not.
+
+    The times are those of a nozzle at `SPEED` over a body as large as the
+    demonstrations'. The world with these ends is checked anew; its verdict is
+    printed, never the skill's.
+    """
+    import numpy as np
+
+    from bath_drake.errors import BathDrakeError
+    from bath_drake.field.critical_points import check_field
+    from bath_drake.field.navigation import min_beta
+    from bath_drake.field.rollout import RolloutStatus, timed_rollout
+    from bath_drake.skill_file import load_skill
+    from bath_drake.yaml_io import check_output, write_atomically
+
+    if options.output is not None:
+        check_output(options.output)
+    skill = load_skill(options.skill)
+    planar = options.frame == "demonstration"
+    if planar and skill.canonical.kind != "planar":
+        raise BathDrakeError(
+            f"{options.skill}: --frame demonstration is for skills of 2-D recordings, "
+            f"this one's frame is {skill.canonical.kind}; allowed: canonical"
+        )
+    start = _canonical("--start", options.start, skill, planar)
+    field = skill.field
+    if options.goal is not None:
+        field = field.with_goal(_canonical("--goal", options.goal, skill, planar))
+    for name, point in (("--start", start), ("--goal", field.goal)):
+        if not min_beta(point, field) > 0.0:
+            raise BathDrakeError(
+                f"{name}: ({point[0]:.6g}, {point[1]:.6g}) in canonical space is in an "
+                "obstacle or outside the workspace, allowed: free space"
+            )
+    found = timed_rollout(
+        start, field, speed=SPEED, half_extents=skill.canonical.scales
+    )
+    path = skill.canonical.to_demonstration(found.path) if planar else found.path
+    check = check_field(field, start)
+    if options.output is not None:
+        rows = np.column_stack([found.times, path]).tolist()
+        lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
+        write_atomically(options.output, "\n".join(["t,x,y", *lines, ""]))
+    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    print(f"goal     {found.status.name.lower().replace('_', ' ')}")
+    print(f"path     {len(path)} points, length {length:.4g} ({options.frame} frame)")
+    print(f"time     {found.times[-1]:.2f} s at {SPEED} m/s")
+    print(f"verdict  {check.verdict}: {check.reason}")
+    return 0 if found.status is RolloutStatus.ARRIVED else 1
+
+
+def _canonical(
+    name: str, point: list[float], skill: "Skill", planar: bool
+) -> "FloatArray":
+    """A point of the command line in canonical space."""
+    import numpy as np
+
+    from bath_drake.errors import BathDrakeError
+
+    if not all(math.isfinite(value) for value in point):
+        raise BathDrakeError(f"{name}: found {point}, allowed: two finite numbers")
+    given = np.array(point)
+    return skill.canonical.to_canonical(given) if planar else given

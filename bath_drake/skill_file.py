@@ -1,0 +1,277 @@
+"""Skills and fields as YAML files: strict to read, whole when written.
+
+A skill file has the keys schema_version, field, start, seed, config,
+demonstration_hashes, canonical, scale, frechet, certificate and checksum. Floats
+come back to the last bit. A field block may stand in any YAML file::
+
+    field:
+      workspace: {centre: [0, 0], semi_axes: [5, 5], power: 2}
+      goal: [3, 0]
+      kappa: 4
+      obstacles:
+        - {centre: [0, 0], semi_axes: [1, 1], angle: 0, exponent: 1}
+"""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+
+from bath_drake.demonstrations.canonical import (
+    CanonicalDemonstration,
+    CanonicalFrame,
+    FrameKind,
+)
+from bath_drake.errors import SkillFileError
+from bath_drake.field.critical_points import FieldCheck
+from bath_drake.field.navigation import NavigationField
+from bath_drake.field.obstacles import ObstacleSet, Workspace
+from bath_drake.learning.learner import LearningResult
+from bath_drake.learning.skill import Skill
+from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically
+
+SCHEMA_VERSION = 1
+CHECKSUM = "checksum"
+
+
+def save_skill(path: str | Path, skill: Skill) -> None:
+    """Writes a skill file whole, or leaves what was there.
+
+    Raises:
+        SkillFileError: When the file cannot be written.
+        ValueError: When `config` or `certificate` holds what YAML cannot.
+    """
+    data = skill_to_mapping(skill)
+    data[CHECKSUM] = _checksum(data)
+    write_atomically(path, dump_yaml(data), error=SkillFileError)
+
+
+def load_skill(path: str | Path) -> Skill:
+    """Reads a skill file; raises SkillFileError naming file and key."""
+    data = read_yaml(path, error=SkillFileError)
+    block = Block(data, str(path), error=SkillFileError)
+    _check_version(block)
+    _check_checksum(block, data)
+    start = block.take_list("start", float, 2)
+    seed = block.take("seed", int)
+    config = block.take("config", dict)
+    hashes = tuple(block.take_list("demonstration_hashes", str))
+    canonical = _take_canonical(block.take_block("canonical"))
+    scale = block.take("scale", float)
+    figures = block.take_block("frechet")
+    frechet = {key: figures.take(key, float) for key in data["frechet"]}
+    certificate = block.take("certificate", dict)
+    field = _take_field(block, data)
+    block.finish()
+    try:
+        return Skill(
+            field=field,
+            start=np.array(start),
+            seed=seed,
+            config=config,
+            demonstration_hashes=hashes,
+            canonical=canonical,
+            scale=scale,
+            frechet=frechet,
+            certificate=certificate,
+        )
+    except ValueError as problem:
+        block.fail("", str(problem))
+
+
+def load_field(path: str | Path) -> NavigationField:
+    """Reads the `field` block of a skill file or of any other YAML file.
+
+    Other keys are not looked at, except that a skill's checksum must be right.
+
+    Raises:
+        SkillFileError: Naming file and key.
+    """
+    data = read_yaml(path, error=SkillFileError)
+    block = Block(data, str(path), error=SkillFileError)
+    if CHECKSUM in data:
+        _check_checksum(block, data)
+    return _take_field(block, data)
+
+
+def is_skill_file(path: str | Path) -> bool:
+    """Whether a YAML file says that it is a skill; raises SkillFileError if unread."""
+    return "schema_version" in read_yaml(path, error=SkillFileError)
+
+
+def skill_from_result(
+    result: LearningResult,
+    demonstrations: Sequence[CanonicalDemonstration],
+    frame: CanonicalFrame,
+) -> Skill:
+    """What is kept of learning: the same result gives the same skill, bit by bit."""
+    return Skill(
+        field=result.field,
+        start=result.start,
+        seed=result.config.seed,
+        config=_plain(asdict(result.config)),
+        demonstration_hashes=tuple(d.sha256 for d in demonstrations),
+        canonical=frame,
+        scale=result.scale,
+        frechet=dict(result.frechet),
+        certificate=check_to_mapping(result.check),
+    )
+
+
+def check_to_mapping(check: FieldCheck) -> dict[str, Any]:
+    """A check as a tree of plain values, without the time it took."""
+    witness = check.witness
+    return {
+        "verdict": check.verdict,
+        "reason": check.reason,
+        "critical_points": [
+            {"x": float(p.x), "y": float(p.y), "kind": p.kind}
+            for p in check.critical_points
+        ],
+        "witness": None
+        if witness is None
+        else {"x": float(witness[0]), "y": float(witness[1])},
+        "notes": list(check.notes),
+    }
+
+
+def skill_to_mapping(skill: Skill) -> dict[str, Any]:
+    """A skill as the tree of plain values its file holds, without the checksum."""
+    frame = skill.canonical
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "field": field_to_mapping(skill.field),
+        "start": skill.start.tolist(),
+        "seed": int(skill.seed),
+        "config": _plain(skill.config),
+        "demonstration_hashes": list(skill.demonstration_hashes),
+        "canonical": {
+            "kind": frame.kind,
+            "origin": frame.origin.tolist(),
+            "axes": frame.axes.tolist(),
+            "scales": frame.scales.tolist(),
+        },
+        "scale": float(skill.scale),
+        "frechet": _plain(skill.frechet),
+        "certificate": _plain(skill.certificate),
+    }
+
+
+def field_to_mapping(field: NavigationField) -> dict[str, Any]:
+    """A field as the tree of plain values of its `field` block."""
+    workspace, obstacles = field.workspace, field.obstacles
+    return {
+        "workspace": {
+            "centre": workspace.centre.tolist(),
+            "semi_axes": workspace.semi_axes.tolist(),
+            "power": int(workspace.power),
+        },
+        "goal": field.goal.tolist(),
+        "kappa": float(field.kappa),
+        "obstacles": [
+            {"centre": [x, y], "semi_axes": [a, b], "angle": angle, "exponent": w}
+            for (x, y, a, b, angle), w in zip(
+                obstacles.theta.tolist(), obstacles.powers.tolist(), strict=True
+            )
+        ],
+    }
+
+
+def field_from_mapping(
+    data: dict[str, Any], source: str = "field block"
+) -> NavigationField:
+    """The inverse of `field_to_mapping`; raises SkillFileError naming the key."""
+    mapping = {"field": data}
+    return _take_field(Block(mapping, source, error=SkillFileError), mapping)
+
+
+def _take_field(file: Block, data: dict[str, Any]) -> NavigationField:
+    if isinstance(data.get("field"), list):
+        file.fail(
+            "field",
+            "found a list of fields (a composed skill); "
+            "this version runs skills of a single field",
+        )
+    block = file.take_block("field")
+    rim = block.take_block("workspace")
+    centre = np.array(rim.take_list("centre", float, 2))
+    semi_axes = np.array(rim.take_list("semi_axes", float, 2))
+    power = rim.take("power", int)
+    rim.finish()
+    goal = np.array(block.take_list("goal", float, 2))
+    kappa = block.take("kappa", float)
+    rows: list[list[float]] = []
+    exponents: list[float] = []
+    for item in block.take_blocks("obstacles"):
+        row = item.take_list("centre", float, 2) + item.take_list("semi_axes", float, 2)
+        rows.append([*row, item.take("angle", float)])
+        exponents.append(item.take("exponent", float))
+        item.finish()
+    block.finish()
+    key = "workspace"
+    try:
+        workspace = Workspace(centre, semi_axes, power)
+        key = "obstacles"
+        obstacles = ObstacleSet(np.array(rows).reshape(-1, 5), np.array(exponents))
+        key = ""
+        return NavigationField(workspace, goal, kappa, obstacles)
+    except ValueError as problem:
+        block.fail(key, str(problem))
+
+
+def _take_canonical(block: Block) -> CanonicalFrame:
+    kind = block.take("kind", str)
+    kinds = {name: name for name in get_args(FrameKind)}
+    if kind not in kinds:
+        block.fail("kind", f"found {kind!r}, expected one of {', '.join(kinds)}")
+    dimension = 2 if kind == "planar" else 3
+    origin = block.take_list("origin", float, dimension)
+    axes = block.take_rows("axes", 2, dimension)
+    scales = block.take_list("scales", float, 2)
+    block.finish()
+    try:
+        return CanonicalFrame(
+            kinds[kind], np.array(origin), np.array(axes), np.array(scales)
+        )
+    except ValueError as problem:
+        block.fail("", str(problem))
+
+
+def _check_version(block: Block) -> None:
+    version = block.take("schema_version", int)
+    if version != SCHEMA_VERSION:
+        block.fail(
+            "schema_version", f"found {version}, this version reads {SCHEMA_VERSION}"
+        )
+
+
+def _check_checksum(block: Block, data: dict[str, Any]) -> None:
+    found = block.take(CHECKSUM, str)
+    expected = _checksum({key: data[key] for key in data if key != CHECKSUM})
+    if found != expected:
+        block.fail(
+            CHECKSUM,
+            f"found {found[:24]!r}, but the content gives {expected[:24]!r}: the file "
+            "was changed or damaged after it was written",
+        )
+
+
+def _checksum(data: dict[str, Any]) -> str:
+    """The hash of a tree of plain values, whatever the order of its keys."""
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """Tuples and numpy values as lists and Python numbers."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value
