@@ -42,6 +42,21 @@ class BackTemplate:
         return canonical_map.p_WP + self.points_P @ canonical_map.R_WP.T
 
 
+@dataclass(frozen=True, eq=False)
+class Expectation:
+    """Where the back should be, by the frame before.
+
+    Attributes:
+        mask: (H, W) pixels it should cover.
+        R_WP: (3, 3) its axes.
+        span: Its lowest and highest position along the y axis from W's origin.
+    """
+
+    mask: BoolArray
+    R_WP: FloatArray
+    span: tuple[float, float]
+
+
 def pixel_indices(
     points_W: FloatArray, camera: PinholeCamera, R_WC: FloatArray, p_WC: FloatArray
 ) -> IntArray:

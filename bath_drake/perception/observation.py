@@ -10,6 +10,7 @@ from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import fit_canonical_map
 from bath_drake.perception.completion import (
     BackTemplate,
+    Expectation,
     complete_depth,
     covered_pixels,
     pixel_indices,
@@ -127,8 +128,8 @@ class _View:
 
 def _expect(
     previous: BodyObservation, view: _View
-) -> tuple[FloatArray, IntArray, BoolArray | None]:
-    """Returns the template's points in W, their pixels, and the mask they cover."""
+) -> tuple[FloatArray, IntArray, Expectation | None]:
+    """Returns the template's points in W, their pixels, and what to expect."""
     if previous.template is None:
         return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), None
     last = fit_canonical_map(
@@ -136,7 +137,10 @@ def _expect(
     )
     points_W = previous.template.points_in_world(last)
     indices = pixel_indices(points_W, view.camera, view.R_WC, view.p_WC)
-    return points_W, indices, covered_pixels(indices, view.camera.shape)
+    mask = covered_pixels(indices, view.camera.shape)
+    along = points_W @ last.R_WP[:, 1]
+    span = float(along.min()), float(along.max())
+    return points_W, indices, Expectation(mask, last.R_WP, span)
 
 
 def _extrapolate(

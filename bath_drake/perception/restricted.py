@@ -6,12 +6,17 @@ import numpy as np
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception import morphology
-from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.canonical import MIN_POINTS, CanonicalMap
 from bath_drake.perception.segmentation import BodyObservation
 
 # Darker than this share of the skin around it is no skin. Folds and shading reach
 # 0.8, a wound on very dark skin 0.6.
 DARK_SHARE = 0.7
+
+# At the back's edge the skin turns away from the light: there only what is this
+# dark counts, once more than this share of a patch's surroundings is off the back.
+EDGE_DARK_SHARE = 0.5
+EDGE_SHARE = 0.2
 
 # The skin's brightness is a quadratic in the pixel, fitted again without the dark
 # pixels this many times.
@@ -48,11 +53,14 @@ def find_restricted_areas(
     """
     if not margin_m >= 0.0:
         raise ValueError(f"margin_m must be >= 0, got {margin_m}")
-    dark = dark_pixels(observation)
+    brightness = relative_brightness(observation)
+    columns, rows = observation.pixels.T
+    dark = np.zeros(observation.mask.shape, dtype=bool)
+    dark[rows, columns] = brightness <= DARK_SHARE
+    dark = morphology.opened(dark, RIM)
     if not dark.any():
         return ObstacleSet()
     count, labels = cv2.connectedComponents(dark.view(np.uint8), connectivity=8)
-    columns, rows = observation.pixels.T
     label = labels[rows, columns]
     areas = np.bincount(label, observation.point_areas, minlength=count)
     p_P = canonical_map.plane_from_world(observation.points_W)[:, :2]
@@ -61,6 +69,9 @@ def find_restricted_areas(
         if areas[k] < min_area:
             continue
         inside = label == k
+        at_edge = _edge_share(labels == k, observation) > EDGE_SHARE
+        if at_edge and brightness[inside].mean() > EDGE_DARK_SHARE:
+            continue
         # The skin a pixel stands for reaches half its size beyond its centre.
         reach = margin_m + np.sqrt(observation.point_areas[inside].max() / 2.0)
         ellipse = enclosing_ellipse(p_P[inside], reach)
@@ -68,24 +79,35 @@ def find_restricted_areas(
     return ObstacleSet(np.array(ellipses).reshape(-1, 5))
 
 
-def dark_pixels(observation: BodyObservation) -> BoolArray:
-    """Returns the back's pixels (H, W) much darker than the skin around them."""
-    dark = np.zeros(observation.mask.shape, dtype=bool)
-    if len(observation.pixels) == 0:
-        return dark
-    value = observation.colours.max(axis=1).astype(np.float64)
+def relative_brightness(observation: BodyObservation) -> FloatArray:
+    """Returns each point's brightness (n,) over that of the skin around it.
+
+    The person's own skin is the measure, so it serves every tone and light.
+    """
+    value = observation.colours.max(axis=1, initial=0).astype(np.float64)
     columns, rows = observation.pixels.T
+    if len(value) < MIN_POINTS:
+        return np.ones(len(value))
     x = (columns - columns.mean()) / 100.0
     y = (rows - rows.mean()) / 100.0
     basis = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
     skin = value > DARK_SHARE * np.median(value)
+    around = value
     for _ in range(ROUNDS):
         fit = np.linalg.lstsq(basis[skin], value[skin], rcond=None)[0]
-        skin = value > DARK_SHARE * (basis @ fit)
-        if skin.sum() < basis.shape[1]:
-            return dark  # nothing left to compare with
-    dark[rows[~skin], columns[~skin]] = True
-    return morphology.opened(dark, RIM)
+        # Never below a tenth of a byte's range: the ratio is of no use there.
+        around = np.maximum(basis @ fit, 25.0)
+        skin = value > DARK_SHARE * around
+        if skin.sum() < MIN_POINTS:
+            return np.ones(len(value))
+    return np.asarray(value / around)
+
+
+def _edge_share(area: BoolArray, observation: BodyObservation) -> float:
+    """Returns the share of an area's surroundings that is neither back nor robot."""
+    ring = morphology.dilate(area, 1.5) & ~area
+    outside = ring & ~observation.mask & ~observation.robot_mask
+    return float(outside.sum()) / max(int(ring.sum()), 1)
 
 
 def enclosing_ellipse(points: FloatArray, margin: float) -> FloatArray:
@@ -106,7 +128,7 @@ def enclosing_ellipse(points: FloatArray, margin: float) -> FloatArray:
     return _least_ellipse(hull)
 
 
-def _least_ellipse(points: FloatArray, tolerance: float = 1e-3) -> FloatArray:
+def _least_ellipse(points: FloatArray, tolerance: float = 1e-2) -> FloatArray:
     """Khachiyan's algorithm; the result is scaled to contain the points exactly."""
     n = len(points)
     lifted = np.column_stack([points, np.ones(n)])

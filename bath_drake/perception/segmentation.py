@@ -1,6 +1,6 @@
 """The classic segmenter: Cartesian and colour filters (paper, IV-B)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ from bath_drake.perception.canonical import (
     edges_by_level,
     principal_frame,
 )
-from bath_drake.perception.completion import BackTemplate
+from bath_drake.perception.completion import BackTemplate, Expectation
 from bath_drake.perception.pixels import behind_jump, inside_box, pixel_normals
 
 UP_W = np.array([0.0, 0.0, 1.0])
@@ -170,7 +170,7 @@ def segment_back(
     points_W: FloatArray,
     robot_mask: BoolArray,
     config: SegmentationConfig,
-    expected: BoolArray | None = None,
+    expected: Expectation | None = None,
 ) -> tuple[BoolArray, BoolArray]:
     """Finds the back: workspace box, skin colour, largest component, torso.
 
@@ -179,8 +179,8 @@ def segment_back(
         points_W: (H, W, 3), metres; NaN where nothing was measured.
         robot_mask: (H, W) pixels that may show the robot.
         config: What to take for a back.
-        expected: (H, W) where the back was last; without it the convex hull of
-            what is visible stands in.
+        expected: Where the back was last; without it the convex hull and the
+            axes of what is visible stand in.
 
     Returns:
         The visible back and the completed one, (H, W) each. The first holds no
@@ -198,7 +198,7 @@ def segment_back(
             np.ascontiguousarray(boxed[window]),
             np.ascontiguousarray(robot_mask[window]),
             config,
-            None if expected is None else expected[window],
+            expected and replace(expected, mask=expected.mask[window]),
         )
     return visible, completed
 
@@ -220,7 +220,7 @@ def _segment(
     boxed: BoolArray,
     robot_mask: BoolArray,
     config: SegmentationConfig,
-    expected: BoolArray | None,
+    expected: Expectation | None,
 ) -> tuple[BoolArray, BoolArray]:
     nothing = np.zeros(boxed.shape, dtype=bool)
     boxed = boxed & ~robot_mask
@@ -233,25 +233,24 @@ def _segment(
         return nothing, nothing
     # The robot in front of the skin must not cut it in two.
     stout = morphology.opened(skin, LIMB_SHARE * config.torso_radius / pitch)
-    hidden = _hidden(robot_mask, stout, expected)
+    if expected is None:
+        hidden = _hidden(robot_mask, stout)
+    else:
+        hidden = robot_mask & expected.mask
     skin = skin | hidden
     skin = skin | (morphology.closed(skin, config.gap_radius / pitch) & solid)
     skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
     torso = morphology.stoutest_part(
         skin, config.torso_radius / pitch, config.torso_share
     )
-    visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config)
+    visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config, expected)
     if expected is None:
-        hidden = _hidden(robot_mask, visible, None)
+        hidden = _hidden(robot_mask, visible)
     return visible, visible | hidden
 
 
-def _hidden(
-    robot_mask: BoolArray, visible: BoolArray, expected: BoolArray | None
-) -> BoolArray:
-    """Returns the robot's pixels that hide the back."""
-    if expected is not None:
-        return robot_mask & expected
+def _hidden(robot_mask: BoolArray, visible: BoolArray) -> BoolArray:
+    """Returns the robot's pixels that seem to hide the back."""
     if not robot_mask.any() or not visible.any():
         return np.zeros_like(robot_mask)
     return robot_mask & morphology.convex_hull(visible)
@@ -262,6 +261,7 @@ def _trimmed(
     torso: BoolArray,
     robot_mask: BoolArray,
     config: SegmentationConfig,
+    expected: Expectation | None,
 ) -> BoolArray:
     """Cuts off shoulder tops, the neck's stump and what hangs below the waist."""
     normals = pixel_normals(points_W, torso, 2)
@@ -269,14 +269,19 @@ def _trimmed(
     points = points_W[torso]
     if len(points) < MIN_POINTS:
         return np.zeros_like(torso)
-    # Normals are on the camera's side: so is the point their mean leads to.
-    eye = points.mean(axis=0) + normals[torso].mean(axis=0)
-    mean, R_WP = principal_frame(points, UP_W, eye)
-    across, along = ((points - mean) @ R_WP[:, :2]).T
+    if expected is not None:
+        R_WP, span = expected.R_WP, expected.span
+    else:
+        # Normals are on the camera's side: so is the point their mean leads to.
+        eye = points.mean(axis=0) + normals[torso].mean(axis=0)
+        _, R_WP = principal_frame(points, UP_W, eye)
+        span = -np.inf, np.inf
+    across, along = (points @ R_WP[:, :2]).T
     level, left, right = edges_by_level(along, across)
     broad = right - left >= config.min_breadth * (right - left).max()
-    # Where the robot touches the back nobody knows how broad it is.
-    broad[level[morphology.dilate(robot_mask, ROBOT_RIM)[torso]]] = True
+    # Where the robot touches the back its breadth is unknown, its end expected.
+    known = (along >= span[0]) & (along <= span[1])
+    broad[level[morphology.dilate(robot_mask, ROBOT_RIM)[torso] & known]] = True
     broad = np.flatnonzero(broad)
     keep = (level >= broad[0]) & (level <= broad[-1])
     rows, columns = np.nonzero(torso)
