@@ -183,7 +183,10 @@ def merge_areas(
         ]
         together = [_outline(a) for a, m in zip(areas, meets, strict=True) if m]
         areas = [a for a, m in zip(areas, meets, strict=True) if not m]
-        areas.append(_least_ellipse(np.concatenate([outline, *together])))
+        if all(_level(row, other).max() <= 1.0 for other in together):
+            areas.append(row)  # new, or around all it meets
+        else:
+            areas.append(_least_ellipse(np.concatenate([outline, *together])))
     return ObstacleSet(np.array(areas).reshape(-1, 5))
 
 

@@ -1,0 +1,83 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from pydrake.common.value import Value
+from pydrake.systems.analysis import Simulator
+
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.restricted import find_restricted_areas
+from bath_drake.perception.segmentation import BodyObservation
+from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
+
+MARGIN, PERIOD = 0.02, 0.1
+BODY = CanonicalMap(
+    np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    np.array([0.7, 0.0, 0.9]),
+    np.array([0.17, 0.25]),
+)
+
+
+def _observation(wound=True):
+    """A level back of 4 mm pixels, with a dark disc of 30 mm or without."""
+    rows, columns = np.mgrid[10:110, 10:90]
+    pixels = np.column_stack([columns.ravel(), rows.ravel()])
+    p_P = (pixels - [50, 60]) * 0.004 * [1.0, -1.0]
+    colours = np.full((len(pixels), 3), (200, 150, 120), dtype=np.uint8)
+    if wound:
+        colours[np.hypot(*(p_P - [0.05, 0.05]).T) < 0.03] = (25, 12, 12)
+    mask = np.zeros((120, 100), dtype=bool)
+    mask[rows, columns] = True
+    return dataclasses.replace(
+        BodyObservation(),
+        found=True,
+        mask=mask,
+        robot_mask=np.zeros_like(mask),
+        pixels=pixels,
+        colours=colours,
+        points_W=BODY.p_WP + p_P @ BODY.R_WP[:, :2].T,
+        point_areas=np.full(len(pixels), 0.004**2),
+    )
+
+
+@pytest.fixture
+def simulator():
+    dut = RestrictedAreaDetector(margin=MARGIN, period=PERIOD)
+    simulator = Simulator(dut)
+    context = simulator.get_mutable_context()
+    dut.GetInputPort("canonical_map").FixValue(context, Value(BODY))
+    return simulator
+
+
+def _look(simulator, observation, until):
+    dut = simulator.get_system()
+    context = simulator.get_mutable_context()
+    dut.GetInputPort("body_observation").FixValue(context, Value(observation))
+    simulator.AdvanceTo(until)
+    return dut.GetOutputPort("sensed_obstacles").Eval(simulator.get_context())
+
+
+def test_the_areas_are_those_of_the_pure_function(simulator):
+    areas = _look(simulator, _observation(), 0.5 * PERIOD)
+    assert len(areas) == 1
+    assert areas == find_restricted_areas(_observation(), BODY, MARGIN)
+
+
+def test_an_area_once_seen_stays(simulator):
+    before = _look(simulator, _observation(), 0.5 * PERIOD)
+    assert _look(simulator, _observation(wound=False), 1.5 * PERIOD) == before
+    assert _look(simulator, BodyObservation(), 2.5 * PERIOD) == before
+
+
+def test_without_a_body_nothing_is_sensed(simulator):
+    assert len(_look(simulator, BodyObservation(), 0.5 * PERIOD)) == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("margin", -0.01), ("margin", float("nan")), ("period", 0.0), ("min_area", 0.0)],
+)
+def test_bad_parameters_are_refused(name, value):
+    good = {"margin": MARGIN, "period": PERIOD}
+    with pytest.raises(ValueError, match=name):
+        RestrictedAreaDetector(**{**good, name: value})
