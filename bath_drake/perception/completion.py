@@ -72,8 +72,13 @@ def covered_pixels(indices: IntArray, shape: tuple[int, int]) -> BoolArray:
     """Returns the mask of pixels (n, 2) as of `pixel_indices`, gaps closed."""
     mask = np.zeros(shape, dtype=bool)
     seen = indices[np.flatnonzero(np.asarray(indices[:, 0] >= 0))]
+    if len(seen) == 0:
+        return mask
     mask[seen[:, 0], seen[:, 1]] = True
-    return morphology.closed(mask, POINT_GAP)
+    low, high = np.maximum(seen.min(axis=0) - 2, 0), seen.max(axis=0) + 3
+    window = slice(low[0], high[0]), slice(low[1], high[1])
+    mask[window] = morphology.closed(mask[window], POINT_GAP)
+    return mask
 
 
 def complete_depth(

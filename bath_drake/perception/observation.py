@@ -7,7 +7,7 @@ import numpy as np
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.perception import morphology
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.perception.canonical import fit_canonical_map
+from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
 from bath_drake.perception.completion import (
     BackTemplate,
     Expectation,
@@ -25,6 +25,9 @@ from bath_drake.perception.segmentation import (
 
 # A back is seen whole if the robot keeps this many pixels away from it.
 TOUCH = 3.0
+
+# Every how many points the back's motion is tracked by.
+STRIDE = 4
 
 
 def observe_body(
@@ -92,7 +95,7 @@ def observe_body(
         completed_W = np.concatenate([points_W, hidden_W])
         completed_areas = np.concatenate([point_areas, hidden_areas])
         if not (morphology.dilate(visible, TOUCH) & robot_mask).any():
-            own = fit_canonical_map(points_W, UP_W, p_WC, point_areas)
+            own = _tracked_map(points_W, point_areas, p_WC)
             template = BackTemplate(own.plane_from_world(points_W), point_areas)
     rows, columns = np.nonzero(visible)
     return BodyObservation(
@@ -126,14 +129,21 @@ class _View:
         return self.camera.fx * self.camera.fy
 
 
+def _tracked_map(
+    points_W: FloatArray, areas: FloatArray, p_WC: FloatArray
+) -> CanonicalMap:
+    """Returns the map the whole back is carried along with; few points do."""
+    return fit_canonical_map(points_W[::STRIDE], UP_W, p_WC, areas[::STRIDE])
+
+
 def _expect(
     previous: BodyObservation, view: _View
 ) -> tuple[FloatArray, IntArray, Expectation | None]:
     """Returns the template's points in W, their pixels, and what to expect."""
     if previous.template is None:
         return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), None
-    last = fit_canonical_map(
-        previous.completed_points_W, UP_W, view.p_WC, previous.completed_areas
+    last = _tracked_map(
+        previous.completed_points_W, previous.completed_areas, view.p_WC
     )
     points_W = previous.template.points_in_world(last)
     indices = pixel_indices(points_W, view.camera, view.R_WC, view.p_WC)

@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+from numba import njit
 
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import BoolArray, FloatArray
@@ -24,6 +25,9 @@ ROUNDS = 3
 
 # Narrower than twice this, in pixels, is the rim of the mask, not an area.
 RIM = 1.0
+
+# Khachiyan's steps; an unfinished ellipse is larger, never too small.
+MAX_STEPS = 1000
 
 # Corners of the polygon that stands for the margin's disc.
 CORNERS = 16
@@ -130,19 +134,7 @@ def enclosing_ellipse(points: FloatArray, margin: float) -> FloatArray:
 
 def _least_ellipse(points: FloatArray, tolerance: float = 1e-2) -> FloatArray:
     """Khachiyan's algorithm; the result is scaled to contain the points exactly."""
-    n = len(points)
-    lifted = np.column_stack([points, np.ones(n)])
-    u = np.full(n, 1.0 / n)
-    for _ in range(1000):
-        inverse = np.linalg.inv(lifted.T @ (lifted * u[:, None]))
-        distance = np.einsum("ij,jk,ik->i", lifted, inverse, lifted)
-        worst = int(np.argmax(distance))
-        excess = distance[worst] / 3.0 - 1.0
-        if excess < tolerance:
-            break
-        step = (distance[worst] - 3.0) / (3.0 * (distance[worst] - 1.0))
-        u *= 1.0 - step
-        u[worst] += step
+    u = _khachiyan_weights(np.ascontiguousarray(points), tolerance)
     centre = u @ points
     offsets = points - centre
     scatter = 2.0 * (offsets.T @ (offsets * u[:, None]))
@@ -151,6 +143,24 @@ def _least_ellipse(points: FloatArray, tolerance: float = 1e-2) -> FloatArray:
     scale = np.einsum("ij,jk,ik->i", offsets, inverse, offsets).max()
     b, a = np.sqrt(lengths * scale)
     return np.array([*centre, a, b, np.arctan2(axes[1, 1], axes[0, 1])])
+
+
+@njit(cache=True)
+def _khachiyan_weights(points: FloatArray, tolerance: float) -> FloatArray:
+    n = len(points)
+    lifted = np.ones((n, 3))
+    lifted[:, :2] = points
+    u = np.full(n, 1.0 / n)
+    for _ in range(MAX_STEPS):
+        inverse = np.linalg.inv(lifted.T @ (lifted * u.reshape(-1, 1)))
+        distance = ((lifted @ inverse) * lifted).sum(axis=1)
+        worst = np.argmax(distance)
+        if distance[worst] / 3.0 - 1.0 < tolerance:
+            break
+        step = (distance[worst] - 3.0) / (3.0 * (distance[worst] - 1.0))
+        u *= 1.0 - step
+        u[worst] += step
+    return u
 
 
 def merge_areas(

@@ -126,9 +126,14 @@ class SegmentationConfig:
             object.__setattr__(self, name, corner)
         if not (self.box_low_W < self.box_high_W).all():
             raise ValueError("the workspace box is empty: box_low_W >= box_high_W")
-        for name in ("jump", "torso_radius", "min_pixels"):
+        for name in ("jump", "torso_radius"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        # The back's motion is tracked by every fourth point.
+        if not self.min_pixels >= 4 * MIN_POINTS:
+            raise ValueError(
+                f"min_pixels must be at least {4 * MIN_POINTS}, got {self.min_pixels}"
+            )
         for name in ("gap_radius", "hole_area"):
             if not getattr(self, name) >= 0.0:
                 raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")

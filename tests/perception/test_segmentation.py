@@ -104,6 +104,7 @@ def test_what_was_expected_is_completed_even_at_the_edge(draw_frame):
         ("torso_radius", 0.0),
         ("jump", -0.1),
         ("hole_area", -1.0),
+        ("min_pixels", 100),
         ("min_saturation", 1.5),
     ],
 )
