@@ -4,14 +4,14 @@ The Fréchet distance of a whole roll-out says little about which obstacle to mo
 one wrong turn decides everything behind it. Here roll-outs start all along the
 demonstrations and run for a window only; their distances under the best monotone
 coupling are minimised by Levenberg-Marquardt, and the windows grow until they are
-whole strokes. Gradients are differences over one compiled batch of roll-outs.
+whole strokes. The roll-outs' derivatives are exact forward sensitivities.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from bath_drake.learning import _kernels, genome
+from bath_drake.learning import _kernels, _sensitivities, genome
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.notation import FloatArray, IntArray
 
@@ -153,7 +153,7 @@ def fit(
             steps.append(d / max(1.0, float(np.abs(d / scale).max())))
         candidates = genome.clip(x + np.array(steps), problem.workspace)
         costs = shooting_cost(candidates, problem, windows, power, mu)
-        evaluations += len(x) + 1 + len(candidates)
+        evaluations += 1 + len(candidates)
         best = int(np.argmin(costs))
         if not costs[best] < cost:
             if damping > 1e6:
@@ -172,17 +172,19 @@ def _normal_equations(
     x: FloatArray, problem: LearningProblem, windows: Windows, power: float, mu: float
 ) -> tuple[FloatArray, FloatArray]:
     """J^T J and J^T r of the held coupling and the hinges."""
-    size = len(x)
-    batch = np.concatenate([x[None], x + _DIFFERENCE * np.eye(size)])
-    paths = _shoot(batch, problem, windows)
-    _, weight, pull = _couple(paths[:1], windows, power)
-    matrix, gradient = _kernels.normal_equations(
-        paths,
+    _, weight, pull = _couple(_shoot(x[None], problem, windows), windows, power)
+    matrix, gradient = _sensitivities.normal_equations(
+        x,
+        np.ascontiguousarray(windows.targets[:, 0]),
+        windows.steps,
         windows.counts,
+        problem.workspace.as_array(),
+        problem.strokes.goal.copy(),
+        _FLOOR,
         weight[0],
         pull[0],
-        problem.lacks(batch),
-        _DIFFERENCE,
-        mu,
     )
-    return matrix, gradient
+    # The hinges are cheap: differences will do.
+    lacks = problem.lacks(np.concatenate([x[None], x + _DIFFERENCE * np.eye(len(x))]))
+    rows = (lacks[1:] - lacks[0]) / _DIFFERENCE
+    return matrix + mu * rows @ rows.T, gradient + mu * rows @ lacks[0]
