@@ -20,9 +20,9 @@ class CameraConfig:
     cy: float = 205.395  # pixels
     near: float = 0.5  # m, nearest depth it reports
     far: float = 4.5  # m, farthest depth it reports
-    eye: list[float] = field(default_factory=lambda: [-0.35, 0.0, 1.75])  # m, W
+    eye: list[float] = field(default_factory=lambda: [0.17, 0.0, 1.93])  # m, W
     target: list[float] = field(
-        default_factory=lambda: [0.78, 0.0, 0.75]
+        default_factory=lambda: [0.78, 0.0, 0.78]
     )  # m, W, what it looks at
 
     def rotation(self) -> FloatArray:
@@ -38,10 +38,20 @@ class CameraConfig:
 class ArmConfig:
     """Where the arm stands and how stiffly it follows its commands."""
 
-    base_position: list[float] = field(default_factory=lambda: [0.05, 0.0, 0.5])  # m, W
+    base_position: list[float] = field(
+        default_factory=lambda: [0.11, -0.02, 0.22]
+    )  # m, W
     base_yaw: float = 0.0  # rad
     home: list[float] = field(
-        default_factory=lambda: [0.0, -0.5, 0.0, -2.4, 0.0, 2.2, 0.785]
+        default_factory=lambda: [
+            1.001,
+            1.3826,
+            -0.7761,
+            -2.725,
+            -0.8829,
+            1.0987,
+            1.8167,
+        ]
     )  # rad
     # N m/rad and N m s/rad, the implicit PD of each joint.
     stiffness: list[float] = field(

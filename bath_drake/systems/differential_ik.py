@@ -112,12 +112,15 @@ class DifferentialIk(LeafSystem):
         self._frame = plant.GetFrameByName(NOZZLE_FRAME)
         # A scratch pad, written before every use: it remembers nothing.
         self._scratch = plant.CreateDefaultContext()
+        self._acceleration = joint_acceleration
+        self._unbounded = _parameters(
+            plant, home, (low, high), time_step, speed_fraction, centering_gain
+        )
         self._parameters = _parameters(
-            plant, home, (low, high), time_step, speed_fraction, joint_acceleration
+            plant, home, (low, high), time_step, speed_fraction, centering_gain
         )
-        self._parameters.set_joint_centering_gain(
-            drake_vector(centering_gain * np.eye(7))
-        )
+        bound = drake_vector(np.full(7, joint_acceleration))
+        self._parameters.set_joint_acceleration_limits((-bound, bound))
         self._desired = self.DeclareAbstractInputPort(
             "desired_nozzle_pose", Value(RigidTransform())
         )
@@ -166,16 +169,8 @@ class DifferentialIk(LeafSystem):
             feed_forward = next_feed_forward(state[_FEED_FORWARD], moved, tracking, dt)
         error = pose_difference(R, p, R_d, p_d)
         twist = next_twist(state[_TWIST], error, feed_forward, tracking, dt)
-        result = DoDifferentialInverseKinematics(  # type: ignore[no-untyped-call] # stub
-            self._plant,
-            self._scratch,
-            drake_vector(twist),
-            self._frame,
-            self._parameters,
-        )
-        v = result.joint_velocities
-        solved = result.status == DifferentialInverseKinematicsStatus.kSolutionFound
-        if not solved or v is None or not np.isfinite(v).all():
+        v = self._solve(state[_V], twist)
+        if v is None:
             return _at_rest(state, STATUS_STUCK)
         after = state.copy()
         after[_Q] = state[_Q] + dt * v
@@ -186,6 +181,30 @@ class DifferentialIk(LeafSystem):
         after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
         after[_SEEN], after[_STATUS] = 1.0, STATUS_OK
         return after
+
+    def _solve(self, v_last: FloatArray, twist: FloatArray) -> FloatArray | None:
+        """Returns joint velocities (7,), or None where there are none."""
+        v = self._ask_drake(twist, self._parameters)
+        if v is None:
+            # No velocity along the twist may lie within the acceleration bound;
+            # then go as far to the one beyond it as the bound allows.
+            v = self._ask_drake(twist, self._unbounded)
+            if v is not None:
+                change = np.abs(v - v_last).max()
+                share = min(1.0, self._acceleration * self._time_step / change)
+                v = v_last + share * (v - v_last)
+        return v
+
+    def _ask_drake(
+        self, twist: FloatArray, parameters: DifferentialInverseKinematicsParameters
+    ) -> FloatArray | None:
+        result = DoDifferentialInverseKinematics(  # type: ignore[no-untyped-call] # stub
+            self._plant, self._scratch, drake_vector(twist), self._frame, parameters
+        )
+        if result.status != DifferentialInverseKinematicsStatus.kSolutionFound:
+            return None
+        v = np.array(result.joint_velocities, dtype=np.float64)
+        return v if np.isfinite(v).all() else None
 
     def _spatial_velocity(self, v: FloatArray) -> FloatArray:
         self._plant.SetVelocities(self._scratch, drake_vector(v))
@@ -211,7 +230,7 @@ def _parameters(
     limits: tuple[FloatArray, FloatArray],
     time_step: float,
     speed_fraction: float,
-    joint_acceleration: float,
+    centering_gain: float,
 ) -> DifferentialInverseKinematicsParameters:
     parameters = DifferentialInverseKinematicsParameters(7, 7)
     parameters.set_time_step(time_step)
@@ -220,10 +239,7 @@ def _parameters(
     parameters.set_joint_position_limits((drake_vector(low), drake_vector(high)))
     speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
     parameters.set_joint_velocity_limits((drake_vector(-speed), drake_vector(speed)))
-    bound = np.full(7, joint_acceleration)
-    parameters.set_joint_acceleration_limits(
-        (drake_vector(-bound), drake_vector(bound))
-    )
+    parameters.set_joint_centering_gain(drake_vector(centering_gain * np.eye(7)))
     return parameters
 
 
