@@ -46,8 +46,8 @@ def save_skill(path: str | Path, skill: Skill) -> None:
         ValueError: When `config` or `certificate` holds what YAML cannot.
     """
     data = skill_to_mapping(skill)
-    data[CHECKSUM] = _checksum(data)
-    write_atomically(path, dump_yaml(data), error=SkillFileError)
+    text = f"{dump_yaml(data)}{CHECKSUM}: {_checksum(data)}\n"
+    write_atomically(path, text, error=SkillFileError)
 
 
 def load_skill(path: str | Path) -> Skill:
