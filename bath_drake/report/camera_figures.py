@@ -35,6 +35,7 @@ def draw_camera_view(frame: Keyframe, done: FloatArray, to_come: FloatArray) -> 
     figure = style.new_figure(6.4)
     axes = figure.subplots()
     _draw_view(axes, frame, done, to_come)
+    _crop(axes, [frame])
     axes.set_title(f"The camera's view at {frame.time:.1f} s")
     axes.legend(handles=_legend(frame), loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
@@ -50,6 +51,7 @@ def draw_sequence(
     row = figure.subplots(1, len(frames), squeeze=False)[0]
     for axes, frame, past, future in zip(row, frames, done, to_come, strict=True):
         _draw_view(axes, frame, past, future)
+        _crop(axes, frames)
         axes.set_title(f"{frame.time:.1f} s")
     return figure
 
@@ -70,10 +72,9 @@ def draw_point_cloud(frame: Keyframe, done: FloatArray, to_come: FloatArray) -> 
         reach = np.linalg.norm(frame.points_W - frame.canonical_map.p_WP, axis=2)
         near &= reach < 0.62
     colours = frame.colour[near].astype(np.float64) / 255.0
-    on_back, on_robot = frame.mask[near], frame.robot[near]
-    # Everything but the back and the robot recedes.
+    on_back = frame.mask[near]
+    # Everything but the back recedes.
     colours[~on_back] = 0.35 * colours[~on_back] + 0.65 * 0.82
-    colours[on_robot & ~on_back] = style.rgb(style.ROBOT)
     light = frame.canonical_map.R_WP @ np.array([-0.35, 0.45, 1.0])
     colours = shade(colours, frame.normals_W[near], light)
     picture = draw_points(view, frame.points_W[near], colours, size=_POINT_SIZE)
@@ -119,7 +120,7 @@ def _draw_view(
         style.rgb(style.ROBOT)
     )
     height, width = frame.mask.shape
-    axes.imshow(image, extent=(0, width, height, 0), interpolation="antialiased")
+    axes.imshow(image, extent=(0, width, height, 0), interpolation="bicubic")
     centres = np.arange(width) + 0.5, np.arange(height) + 0.5
     axes.contour(
         *centres, frame.mask.astype(float), [0.5], colors=style.MASK, linewidths=1.6
@@ -145,10 +146,16 @@ def _draw_view(
         places = frame.on_skin(done)[0]
         axes.plot(*places.T, color=style.REPRODUCTION, lw=2.8)
         axes.plot(*places[-1], "o", color=style.REPRODUCTION, mec="white", ms=7)
-    axes.set_xlim(*_span(frame.mask.sum(axis=0), width))
-    low, high = _span(frame.mask.sum(axis=1), height)
-    axes.set_ylim(high, low)
     axes.set_axis_off()
+
+
+def _crop(axes: Axes, frames: Sequence[Keyframe]) -> None:
+    """Shows the part of the image where any of the frames has the back."""
+    height, width = frames[0].mask.shape
+    anywhere = np.sum([frame.mask for frame in frames], axis=0)
+    axes.set_xlim(*_span(anywhere.sum(axis=0), width))
+    low, high = _span(anywhere.sum(axis=1), height)
+    axes.set_ylim(high, low)
 
 
 def _span(occupied: IntArray, size: int) -> tuple[float, float]:

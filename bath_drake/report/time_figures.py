@@ -33,7 +33,7 @@ class _Panel:
 
 def draw_over_time(run: RunData) -> Figure:
     """Draws distances, errors, speed, holds and real-time factor over time."""
-    panels = _panels(run)
+    panels = [panel for panel in _panels(run) if len(panel.time)]
     figure = style.new_figure(0.9 + 1.25 * len(panels))
     column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, panel in zip(column, panels, strict=True):
@@ -180,7 +180,7 @@ def _shade_phases(axes: Axes, run: RunData) -> None:
 def _mark_holds(axes: Axes, run: RunData) -> None:
     for start, end, reason in _spans(run.log.time, run.log.hold_reason):
         if reason != HoldReason.NONE:
-            axes.axvspan(start, end, color=style.BOX, alpha=0.6, lw=0, zorder=0.5)
+            axes.axvspan(start, end, color=style.BOX, alpha=0.4, lw=0, zorder=0.5)
 
 
 def _name_phases(axes: Axes, run: RunData) -> None:
