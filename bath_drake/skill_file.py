@@ -1,8 +1,8 @@
 """Skills and fields as YAML files: strict to read, whole when written.
 
 A skill file has the keys schema_version, field, start, seed, config,
-demonstration_hashes, canonical, scale, frechet, certificate and checksum. Floats
-come back to the last bit. A field block may stand in any YAML file::
+demonstration_hashes, canonical, mean_demonstration, scale, frechet, certificate
+and checksum. Floats come back to the last bit. A field block may stand in any YAML file::
 
     field:
       workspace: {centre: [0, 0], semi_axes: [5, 5], power: 2}
@@ -61,6 +61,7 @@ def load_skill(path: str | Path) -> Skill:
     config = block.take("config", dict)
     hashes = tuple(block.take_list("demonstration_hashes", str))
     canonical = _take_canonical(block.take_block("canonical"))
+    mean = block.take_rows("mean_demonstration", None, 2)
     scale = block.take("scale", float)
     figures = block.take_block("frechet")
     frechet = {key: figures.take(key, float) for key in data["frechet"]}
@@ -75,6 +76,7 @@ def load_skill(path: str | Path) -> Skill:
             config=config,
             demonstration_hashes=hashes,
             canonical=canonical,
+            mean_demonstration=np.array(mean),
             scale=scale,
             frechet=frechet,
             certificate=certificate,
@@ -116,6 +118,7 @@ def skill_from_result(
         config=_plain(asdict(result.config)),
         demonstration_hashes=tuple(d.sha256 for d in demonstrations),
         canonical=frame,
+        mean_demonstration=result.mean_demonstration,
         scale=result.scale,
         frechet=dict(result.frechet),
         certificate=check_to_mapping(result.check),
@@ -155,6 +158,7 @@ def skill_to_mapping(skill: Skill) -> dict[str, Any]:
             "axes": frame.axes.tolist(),
             "scales": frame.scales.tolist(),
         },
+        "mean_demonstration": skill.mean_demonstration.tolist(),
         "scale": float(skill.scale),
         "frechet": _plain(skill.frechet),
         "certificate": _plain(skill.certificate),

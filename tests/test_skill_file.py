@@ -62,6 +62,7 @@ def make_skill(field=None, **changes):
             np.array([[0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]),
             np.array([0.2, 0.25]),
         ),
+        "mean_demonstration": np.array([[-0.3, 1e-17], [0.1, 0.7], [1 / 3, 0.0]]),
         "scale": 4 / 3,
         "frechet": {"to_mean": 0.1 / 3, "cost": 0.02},
         "certificate": {

@@ -22,13 +22,16 @@ class Skill:
         config: The learner's configuration, plain values.
         demonstration_hashes: SHA-256 of every demonstration file, in order.
         canonical: The map between the demonstrations' coordinates and N.
+        mean_demonstration: The demonstrations' mean at equal shares of arc length,
+            shape (T, 2), in N: what the motion is compared with.
         scale: Longest side of the demonstrations' joint box, in N; Fréchet
             figures are divided by it.
         frechet: Figures as in `LearningResult.frechet`.
         certificate: What a check of the field said, plain values.
 
     Raises:
-        ValueError: The start is not two finite numbers or the scale not positive.
+        ValueError: The start or the mean demonstration is not finite and of its
+            shape, or the scale is not positive.
     """
 
     field: NavigationField
@@ -37,6 +40,7 @@ class Skill:
     config: dict[str, Any]
     demonstration_hashes: tuple[str, ...]
     canonical: CanonicalFrame
+    mean_demonstration: FloatArray
     scale: float
     frechet: dict[str, float] = dataclasses.field(default_factory=dict)
     certificate: dict[str, Any] = dataclasses.field(default_factory=dict)
@@ -47,5 +51,12 @@ class Skill:
             raise ValueError(f"start must be two finite numbers, got {self.start}")
         start.setflags(write=False)
         object.__setattr__(self, "start", start)
+        mean = np.array(self.mean_demonstration, dtype=np.float64)
+        if mean.ndim != 2 or mean.shape[1] != 2 or len(mean) < 2:
+            raise ValueError(f"mean_demonstration has shape {mean.shape}, not (T, 2)")
+        if not np.isfinite(mean).all():
+            raise ValueError("mean_demonstration must be finite")
+        mean.setflags(write=False)
+        object.__setattr__(self, "mean_demonstration", mean)
         if not (0.0 < self.scale < np.inf):
             raise ValueError(f"scale must be positive and finite, got {self.scale}")
