@@ -22,7 +22,7 @@ _Z_UP_FROM_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]])
 # Triangles this near to the border are kept as they are; the decimated rest
 # begins under them, so that no gap can open between the two.
 _KEPT_BAND_M = 0.03
-_OVERLAP_FROM_M = 0.012
+_OVERLAP_FROM_M = 0.006
 # Components below this size (eyes, teeth, lashes) lie inside the head, unless
 # they share vertices with another part.
 _SMALLEST_COMPONENT_M = 0.1
@@ -168,7 +168,7 @@ def decimate(folder: Path, target: int) -> None:
     rest.remove_triangles_by_mask(distance < _OVERLAP_FROM_M)
     rest.remove_unreferenced_vertices()
     kept = f[distance < _KEPT_BAND_M]
-    low = rest.simplify_quadric_decimation(max(target - len(kept), 500))
+    low = rest.simplify_quadric_decimation(target, boundary_weight=10.0)
     low.remove_unreferenced_vertices()
     low.compute_vertex_normals()
     used, kept = np.unique(kept, return_inverse=True)
@@ -190,7 +190,7 @@ def main() -> None:
     """Parses the arguments and converts every folder named."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folders", nargs="+", type=Path)
-    parser.add_argument("--triangles", type=int, default=3500)
+    parser.add_argument("--triangles", type=int, default=4000)
     options = parser.parse_args()
     for folder in options.folders:
         decimate(folder, options.triangles)

@@ -32,10 +32,10 @@ _HEIGHT = 2.4
 _THICKNESS = 0.05
 _TILE, _GROUT = 0.3, 0.008
 
-_WALL = Rgba(0.84, 0.91, 0.94)
-_SIDE_WALL = Rgba(0.78, 0.88, 0.92)
-_FLOOR = Rgba(0.60, 0.69, 0.74)
-_LINES = Rgba(0.66, 0.76, 0.80)
+_WALL = Rgba(0.93, 0.97, 0.98)
+_SIDE_WALL = Rgba(0.88, 0.95, 0.97)
+_FLOOR = Rgba(0.66, 0.75, 0.80)
+_LINES = Rgba(0.70, 0.80, 0.84)
 _FLOOR_LINES = Rgba(0.48, 0.57, 0.62)
 _STOOL = Rgba(0.93, 0.95, 0.96)
 _STEEL = Rgba(0.55, 0.58, 0.62)
