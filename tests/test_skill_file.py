@@ -81,7 +81,7 @@ def saved(tmp_path):
     return path
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(fields())
 def test_a_field_comes_back_from_text_to_the_last_bit(field):
     text = dump_yaml({"field": field_to_mapping(field)})

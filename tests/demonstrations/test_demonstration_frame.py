@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -21,6 +21,7 @@ def frames(draw):
     return CanonicalFrame(kind, origin, axes, scales)
 
 
+@settings(deadline=None)
 @given(frames(), POINTS_N)
 def test_a_canonical_point_goes_out_and_comes_back(frame, points):
     back = frame.to_canonical(frame.to_demonstration(points))
@@ -28,6 +29,7 @@ def test_a_canonical_point_goes_out_and_comes_back(frame, points):
     np.testing.assert_allclose(back, points, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(frames(), POINTS_N, st.floats(-1.0, 1.0))
 def test_what_is_off_the_plane_is_projected_orthogonally(frame, points, height):
     out = frame.to_demonstration(points)
@@ -100,6 +102,7 @@ def paths(draw):
     return np.stack([a * s, b * np.sin(2 * np.pi * c * s), 0.0 * s], axis=-1)
 
 
+@settings(deadline=None)
 @given(paths(), st.integers(0, 2**32 - 1))
 def test_a_path_in_space_spans_eight_tenths_of_its_plane_centred(path, seed):
     rng = np.random.default_rng(seed)
@@ -114,6 +117,7 @@ def test_a_path_in_space_spans_eight_tenths_of_its_plane_centred(path, seed):
     np.testing.assert_allclose(frame.to_demonstration(mapped), turned, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(paths(), st.integers(0, 2**32 - 1))
 def test_the_plane_of_a_path_does_not_depend_on_its_direction(path, seed):
     turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
@@ -123,6 +127,7 @@ def test_the_plane_of_a_path_does_not_depend_on_its_direction(path, seed):
     np.testing.assert_allclose(there.origin, back.origin, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(paths())
 def test_a_planar_path_is_scaled_and_centred_but_not_turned(path):
     frame = planar_frame(path[:, :2])

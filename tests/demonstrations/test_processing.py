@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -33,6 +33,7 @@ def stroke(amplitude=0.08, shift=(0.0, 0.0), z=0.0):
     return np.stack([x + shift[0], y + shift[1], np.full_like(x, z)], axis=-1)
 
 
+@settings(deadline=None)
 @given(arrays(np.float64, (30, 2), elements=st.floats(-1.0, 1.0)), st.integers(2, 400))
 def test_resampling_keeps_the_ends_and_stays_on_the_path(points, count):
     length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
@@ -93,6 +94,8 @@ def test_the_same_stroke_on_two_bodies_is_one_in_canonical_space():
     np.testing.assert_allclose(pair[0].points, pair[1].points, atol=1e-9)
 
 
+# A denoising takes 5 ms, but more than 200 ms now and then on a busy machine.
+@settings(deadline=None, max_examples=50)
 @given(st.integers(0, 2**32 - 1))
 def test_without_a_box_a_turned_and_moved_recording_gives_the_same_shape(seed):
     rng = np.random.default_rng(seed)
