@@ -48,8 +48,9 @@ class Keyframe:
 
     @property
     def depth(self) -> FloatArray:
-        """(H, W) m, not finite where nothing is."""
-        return np.asarray(self.log.keyframe_depth[self.index], dtype=np.float64)
+        """(H, W) m, NaN where nothing is."""
+        depth = np.asarray(self.log.keyframe_depth[self.index], dtype=np.float64)
+        return np.where(np.isfinite(depth), depth, np.nan)
 
     @property
     def mask(self) -> BoolArray:
@@ -75,7 +76,7 @@ class Keyframe:
 
     @cached_property
     def points_W(self) -> FloatArray:
-        """(H, W, 3) what each pixel shows, in W, m; not finite where nothing is."""
+        """(H, W, 3) what each pixel shows, in W, m; NaN where nothing is."""
         X_WC = self.log.X_WC
         points_C = self.camera.deproject(self.depth)
         return np.asarray(points_C @ X_WC[:3, :3].T + X_WC[:3, 3])

@@ -61,7 +61,6 @@ def make_skill(scenario: Scenario) -> Skill:
         demonstration_hashes=tuple(d.sha256 for d in demonstrations),
         canonical=frame,
         mean_demonstration=mean,
-        mean_demonstration=mean,
         scale=float(np.ptp(box, axis=0).max()),
         frechet={"mean": 0.021, "cost": 0.06, "floor": 0.055},
         certificate={"verdict": "numeric-pass"},

@@ -1,0 +1,128 @@
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+
+import pytest
+
+from bath_drake.cli import main
+from bath_drake.errors import RunFolderError
+from bath_drake.report import write_report
+
+
+class _Page(HTMLParser):
+    """Tags with their attributes, and the text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.text = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def page_text(run_folder):
+    return write_report(run_folder).read_text()
+
+
+@pytest.fixture(scope="module")
+def page(page_text):
+    return _Page(page_text)
+
+
+@pytest.fixture(scope="module")
+def wounded_page(wounded_run_folder):
+    (wounded_run_folder / "meshcat.html").write_text("a scene")
+    return _Page(write_report(wounded_run_folder).read_text())
+
+
+@pytest.fixture
+def copy(run_folder, tmp_path):
+    return shutil.copytree(run_folder, tmp_path / "copy")
+
+
+def _figures(page):
+    return [a["alt"] for tag, a in page.tags if tag == "img"]
+
+
+def test_the_page_loads_nothing_and_runs_nothing(page, page_text):
+    assert not {tag for tag, _ in page.tags} & {"script", "link", "iframe", "object"}
+    sources = [a[k] for _, a in page.tags for k in ("src", "href") if k in a]
+    assert sources
+    assert all(source.startswith("data:image/") for source in sources)
+    assert not re.search(r"@import|url\((?!#)", page_text)
+
+
+def test_every_figure_of_a_plain_run_is_there_with_a_text(page):
+    assert len(_figures(page)) == 7
+    assert all(_figures(page))
+
+
+def test_a_wound_adds_its_clearance(page, wounded_page):
+    assert set(_figures(wounded_page)) - set(_figures(page)) == {
+        "Clearance from the wound over time"
+    }
+
+
+def test_the_same_folder_gives_the_same_page(run_folder, page_text):
+    assert write_report(run_folder).read_text() == page_text
+
+
+def test_the_page_states_verdict_limits_of_use_and_rigidity(run_folder, page):
+    text = " ".join(" ".join(page.text).split())
+    verdict = json.loads((run_folder / "metrics.json").read_text())["verdict"]
+    assert verdict.upper() in text
+    assert "not certified, not for use on people" in text
+    assert "The person is rigid in this run" in text
+
+
+def test_every_check_is_in_the_verdict_table(run_folder, page):
+    checks = json.loads((run_folder / "metrics.json").read_text())["checks"]
+    badges = [a for tag, a in page.tags if a.get("class", "").startswith("badge")]
+    assert [a["class"] for a in badges] == [
+        "badge pass" if check["pass"] else "badge fail" for check in checks.values()
+    ]
+
+
+def test_meshcat_is_linked_only_where_it_lies(page, wounded_page):
+    def links(found):
+        return [a["href"] for tag, a in found.tags if tag == "a"]
+
+    assert links(page) == []
+    assert links(wounded_page) == ["meshcat.html"]
+
+
+@pytest.mark.parametrize(
+    "name", ["scenario.yaml", "skill.yaml", "log.npz", "metrics.json"]
+)
+def test_a_missing_or_damaged_file_is_named(copy, name):
+    (copy / name).write_bytes(b"\x00[broken")
+    with pytest.raises(RunFolderError, match=re.escape(name)):
+        write_report(copy)
+    (copy / name).unlink()
+    with pytest.raises(RunFolderError, match=f"{re.escape(name)}: missing"):
+        write_report(copy)
+
+
+@pytest.mark.parametrize("content", ["[]", "{}", '{"verdict": "pass"}'])
+def test_metrics_without_their_keys_are_refused(copy, content):
+    (copy / "metrics.json").write_text(content)
+    with pytest.raises(RunFolderError, match="metrics"):
+        write_report(copy)
+
+
+def test_the_command_prints_the_path(copy, capsys):
+    assert main(["report", str(copy)]) == 0
+    assert capsys.readouterr().out.strip() == str(copy / "report.html")
+
+
+def test_the_command_fails_on_one_line_without_a_folder(tmp_path, capsys):
+    assert main(["report", str(tmp_path / "none")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "none" in error
