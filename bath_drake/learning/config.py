@@ -26,12 +26,12 @@ class LearnerConfig:
     seed: int = 0
     """Seed of the one random generator."""
     population: int | None = None
-    """Members of a generation, at least 4; None: 20 ('auto') or 40 ('paper')."""
+    """Members of a generation, at least 4; None: 24 ('auto') or 40 ('paper')."""
     generations: int | None = None
     """Generations for each obstacle count; None: 8 ('auto') or 40 ('paper')."""
-    seeds: int = 400
+    seeds: int = 600
     """First members among which the first population is chosen."""
-    target: float = 0.02
+    target: float = 0.025
     """Fréchet distance to the mean, over the strokes' scale, at which 'auto' is
     content and tries no further obstacle count."""
     workspace_radius: float = 2.0

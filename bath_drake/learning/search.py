@@ -132,7 +132,7 @@ def _search_auto(
     journal: Journal,
 ) -> list[FloatArray]:
     """Genetic search whose local descent is multiple shooting on growing windows."""
-    settings = _settings(config, 20, 8)
+    settings = _settings(config, 24, 8)
     # While the basin is sought, every other point of the mean stroke will do.
     coarse = np.ascontiguousarray(problem.strokes.mean[None, ::2])
     windows = shooting.cut_windows(coarse, 20, 5, 0.6)
@@ -160,6 +160,8 @@ def _search_auto(
         journal.note(problem, xs[0])
         return [xs[0]]
     journal.plan(settings.generations + 2)
+    # C cannot fall much below the demonstrations' own spread, and finishing lowers it.
+    enough = config.target + 0.5 * problem.strokes.floor
     xs = seed_population(problem, count, config.seeds, rng)
     journal.note(problem, xs[0])
     xs, costs = evolve(
@@ -170,7 +172,7 @@ def _search_auto(
         immigrants=lambda n, r: seed_population(problem, count, n, r),
         clip=lambda xs: genome.clip(xs, problem.workspace),
         improve=improve,
-        report=lambda x: journal.note(problem, x) <= config.target,
+        report=lambda x: journal.note(problem, x) <= enough,
     )
     finalists = _distinct(xs, costs)
     finished = parallel_map(lambda x: _finish(x, problem), finalists)

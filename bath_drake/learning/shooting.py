@@ -145,7 +145,7 @@ def fit(
     for _ in range(iterations):
         matrix, gradient = _normal_equations(x, problem, windows, power, mu)
         diagonal = np.diag(matrix) + 1e-9 / scale**2
-        trials = damping * np.array([0.1, 1.0, 10.0, 100.0, 1000.0])
+        trials = damping * np.array([0.1, 3.0, 100.0])
         steps = []
         for lam in trials:
             damped = matrix + np.diag(lam * diagonal + 1e-12 / scale**2)

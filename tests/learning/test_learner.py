@@ -115,6 +115,7 @@ def test_three_sinusoids_are_learned_to_three_hundredths(
         ("J", 0.05),
         ("S", 0.05),
         ("zigzag", 0.05),
+        ("two periods", 0.10),
     ],
 )
 def test_other_strokes_are_learned(
