@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bath_drake.learning import _kernels, _sensitivities, genome
+from bath_drake.learning import _coupling, _kernels, _sensitivities, genome
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.notation import FloatArray, IntArray
 
@@ -109,7 +109,7 @@ def _shoot(xs: FloatArray, problem: LearningProblem, windows: Windows) -> FloatA
 def _couple(
     paths: FloatArray, windows: Windows, power: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    cost, weight, pull = _kernels.coupling(
+    cost, weight, pull = _coupling.coupling(
         paths,
         windows.counts,
         windows.targets,

@@ -1,0 +1,119 @@
+"""Which point of a stroke a roll-out's point answers for, compiled.
+
+Both run forward only; the best such coupling is found by dynamic programming, and
+held while the roll-outs are linearised.
+"""
+
+import numpy as np
+from numba import njit
+
+from bath_drake.notation import FloatArray, IntArray
+
+
+@njit(cache=True, nogil=True)
+def _couple(
+    path: FloatArray,
+    n: int,
+    target: FloatArray,
+    m: int,
+    power: float,
+    weight: FloatArray,
+    pull: FloatArray,
+    table: FloatArray,
+) -> float:
+    """Best monotone coupling of a path and a target under sum |difference|^power."""
+    half = 0.5 * power
+    for i in range(n):
+        for j in range(m):
+            dx = path[i, 0] - target[j, 0]
+            dy = path[i, 1] - target[j, 1]
+            d = dx * dx + dy * dy + 1e-12
+            if power != 2.0:
+                d = d**half
+            if i == 0:
+                table[i, j] = d + (table[i, j - 1] if j > 0 else 0.0)
+            elif j == 0:
+                table[i, j] = d + table[i - 1, j]
+            else:
+                before = min(table[i - 1, j - 1], min(table[i - 1, j], table[i, j - 1]))
+                table[i, j] = d + before
+    for i in range(n):
+        weight[i] = 0.0
+        pull[i, 0] = 0.0
+        pull[i, 1] = 0.0
+    i = n - 1
+    j = m - 1
+    while True:
+        dx = path[i, 0] - target[j, 0]
+        dy = path[i, 1] - target[j, 1]
+        w = 1.0
+        if power != 2.0:
+            w = (dx * dx + dy * dy + 1e-12) ** (half - 1.0)
+        weight[i] += w
+        pull[i, 0] += w * dx
+        pull[i, 1] += w * dy
+        if i == 0 and j == 0:
+            break
+        if i == 0:
+            j -= 1
+        elif j == 0:
+            i -= 1
+        else:
+            a = table[i - 1, j - 1]
+            b = table[i - 1, j]
+            c = table[i, j - 1]
+            if a <= b and a <= c:
+                i -= 1
+                j -= 1
+            elif b <= c:
+                i -= 1
+            else:
+                j -= 1
+    return float(table[n - 1, m - 1])
+
+
+@njit(cache=True, nogil=True)
+def coupling(
+    paths: FloatArray,
+    counts: IntArray,
+    targets: FloatArray,
+    lengths: IntArray,
+    weights: FloatArray,
+    power: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Windows' costs, and the pull of their coupling on every path point.
+
+    For each member and window F = (mean |difference|^power)^(1/power) over the
+    best monotone coupling. Returns sum_w weights F (n,), and weights (n, W, T) and
+    weighted mean differences (n, W, T, 2) such that, the coupling held, F is locally
+    a sum of weight |point - target|^2 / 2.
+    """
+    n, count, longest = paths.shape[:3]
+    total = np.zeros(n)
+    weight = np.zeros((n, count, longest))
+    pull = np.zeros((n, count, longest, 2))
+    for k in range(n):
+        table = np.empty((longest, targets.shape[1]))
+        for w in range(count):
+            m = lengths[w]
+            steps = counts[w] + 1
+            value = _couple(
+                paths[k, w],
+                steps,
+                targets[w],
+                m,
+                power,
+                weight[k, w],
+                pull[k, w],
+                table,
+            )
+            f = (value / m) ** (1.0 / power)
+            total[k] += weights[w] * f
+            # d F = F^(1 - p) / m * sum |d|^(p - 2) d . dx
+            scale = weights[w] * max(f, 1e-3) ** (1.0 - power) / m
+            for i in range(steps):
+                if weight[k, w, i] > 0.0:
+                    pull[k, w, i, 0] /= weight[k, w, i]
+                    pull[k, w, i, 1] /= weight[k, w, i]
+                weight[k, w, i] *= scale
+    return total, weight, pull
