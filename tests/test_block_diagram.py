@@ -7,6 +7,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Adder, ConstantVectorSource, Integrator
 
 from bath_drake.block_diagram import draw_block_diagram, wiring_lines
+from bath_drake.cli import main
 from bath_drake.graph_layout import Connection, assign_layers, forward_order, spread
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -121,3 +122,13 @@ def test_spread_keeps_places_that_do_not_overlap():
 def test_spread_parts_overlapping_boxes_about_their_middle():
     tops = spread([20.0, 20.0, 20.0], [10.0, 10.0, 10.0], 5.0)
     assert tops == pytest.approx([5.0, 20.0, 35.0])
+
+
+@pytest.mark.parametrize(
+    "arguments", [["no_such_scenario"], ["reproduction", "-o", "no/such/folder.svg"]]
+)
+def test_the_command_fails_on_one_line(arguments, capsys):
+    assert main(["diagram", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "no" in error

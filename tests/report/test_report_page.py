@@ -1,13 +1,16 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from bath_drake.cli import main
 from bath_drake.errors import RunFolderError
 from bath_drake.report import write_report
+from bath_drake.simulation_log import SimulationLog
 
 
 class _Page(HTMLParser):
@@ -107,6 +110,14 @@ def test_a_missing_or_damaged_file_is_named(copy, name):
     (copy / name).unlink()
     with pytest.raises(RunFolderError, match=f"{re.escape(name)}: missing"):
         write_report(copy)
+
+
+def test_a_run_that_never_washed_has_a_report_too(copy):
+    log = SimulationLog.load(copy / "log.npz")
+    never = replace(log, phase=np.zeros_like(log.phase), outcome="TIMED_OUT")
+    never.save(copy / "log.npz")
+    text = write_report(copy).read_text()
+    assert "The run timed out before the goal" in text
 
 
 @pytest.mark.parametrize("content", ["[]", "{}", '{"verdict": "pass"}'])
