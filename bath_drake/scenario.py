@@ -4,7 +4,10 @@ import math
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from bath_drake.errors import ScenarioError
+from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.resources import diagrams_folder, models_folder
 from bath_drake.safety.approach import ApproachLimits
 from bath_drake.safety.hold import MAX_FRAME_AGE
@@ -19,10 +22,12 @@ class PerceptionConfig:
     """What is made of the images."""
 
     camera_rate: float = 30.0  # Hz
+    # m, W: where a person's back may be; the Cartesian filter.
+    workspace_low: list[float] = field(default_factory=lambda: [0.4, -0.6, 0.4])
+    workspace_high: list[float] = field(default_factory=lambda: [1.2, 0.6, 1.6])
     patch_radius: float = 0.03  # m, of the quadric fit
     # m, added around a restricted area: the jet's radius and the loop's error.
     area_margin: float = 0.02
-    detect_restricted_areas: bool = True
 
 
 @dataclass(kw_only=True)
@@ -112,6 +117,10 @@ def check_scenario(scenario: Scenario) -> None:
             f"allowed less than control.standoff ({scenario.control.standoff})"
         )
     approach_limits(scenario)
+    try:
+        segmentation(scenario)
+    except ValueError as error:
+        raise ValueError(f"perception.workspace: {error}") from error
     for key, value in vars(scenario.limits).items():
         if value is not None and not value >= 0:
             raise ValueError(f"limits.{key}: found {value}, allowed 0 and up, or null")
@@ -128,6 +137,14 @@ def approach_limits(scenario: Scenario) -> ApproachLimits:
         far_standoff=control.far_standoff,
         standoff=control.standoff,
         speed=control.approach_speed,
+    )
+
+
+def segmentation(scenario: Scenario) -> SegmentationConfig:
+    """Returns the segmenter's settings; ValueError if the workspace is empty."""
+    return SegmentationConfig(
+        box_low_W=np.array(scenario.perception.workspace_low),
+        box_high_W=np.array(scenario.perception.workspace_high),
     )
 
 

@@ -2,7 +2,8 @@
 
 A skill file has the keys schema_version, field, start, seed, config,
 demonstration_hashes, canonical, mean_demonstration, scale, frechet, certificate
-and checksum. Floats come back to the last bit. A field block may stand in any YAML file::
+and checksum. Floats come back to the last bit. A field block may stand in any
+YAML file::
 
     field:
       workspace: {centre: [0, 0], semi_axes: [5, 5], power: 2}

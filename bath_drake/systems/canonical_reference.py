@@ -23,14 +23,19 @@ class CanonicalReference(LeafSystem):
         output_ports:
         - canonical_reference
 
-    Points in canonical space N, shape (2,). The velocity is that of the field at
-    the *measured* position; the reference never runs further than `leash` ahead
-    of it, so an arm that lags or holds is waited for. It stands still while
-    `hold` is above one half or `phase` is not WASH; unconnected, neither is so.
+    Points in canonical space N, shape (2,). `canonical_position` is the measured
+    one, `canonical_velocity` that of the field at the reference; see
+    `bath_drake.field.reference`. The reference stands still while `hold` is above
+    one half or `phase` is not WASH; unconnected, neither is so.
     """
 
     def __init__(
-        self, *, start: FloatArray, period: float = 0.01, leash: float = 0.08
+        self,
+        *,
+        start: FloatArray,
+        period: float = 0.01,
+        leash: float = 0.08,
+        pull: float = 0.5,
     ) -> None:
         """Declares the state with `start`, shape (2,), as its default.
 
@@ -41,11 +46,12 @@ class CanonicalReference(LeafSystem):
         start = np.asarray(start, dtype=np.float64)
         if start.shape != (2,) or not np.isfinite(start).all():
             raise ValueError(f"start must be two finite numbers, got {start}")
-        for name, value in (("period", period), ("leash", leash)):
+        for name, value in (("period", period), ("leash", leash), ("pull", pull)):
             if not 0.0 < value < float("inf"):
                 raise ValueError(f"{name} must be positive and finite, got {value}")
         self._period = period
         self._leash = leash
+        self._pull = pull
         self._p_NQ = self.DeclareVectorInputPort("canonical_position", 2)
         self._v_NQ = self.DeclareVectorInputPort("canonical_velocity", 2)
         self._phase = self.DeclareVectorInputPort("phase", 1)
@@ -72,7 +78,8 @@ class CanonicalReference(LeafSystem):
             drake_vector(context.get_discrete_state_vector().CopyToVector()),
             eval_vector(self._p_NQ, context),
             eval_vector(self._v_NQ, context),
-            self._period,
-            self._leash,
+            dt=self._period,
+            leash=self._leash,
+            pull=self._pull,
         )
         state.set_value(drake_vector(reference))

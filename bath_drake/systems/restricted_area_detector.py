@@ -11,7 +11,7 @@ from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.restricted import find_restricted_areas, merge_areas
 from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.systems._ports import eval_value
-from bath_drake.systems.canonical_projector import unknown_map
+from bath_drake.systems.canonical_projector import FRAME_DELAY_S, unknown_map
 
 
 class RestrictedAreaDetector(LeafSystem):
@@ -57,7 +57,10 @@ class RestrictedAreaDetector(LeafSystem):
         self._map = self.DeclareAbstractInputPort("canonical_map", Value(unknown_map()))
         self._areas = self.DeclareAbstractState(Value(ObstacleSet()))
         self.DeclareStateOutputPort("sensed_obstacles", self._areas)
-        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._look)
+        # A frame's own map comes with the projector's delay; look after that.
+        self.DeclarePeriodicUnrestrictedUpdateEvent(
+            period, 2.0 * FRAME_DELAY_S, self._look
+        )
 
     def _look(self, context: Context, state: State) -> EventStatus:
         observation = eval_value(self._observation, context, BodyObservation)

@@ -3,8 +3,10 @@ import dataclasses
 import numpy as np
 import pytest
 from pydrake.common.value import Value
+from pydrake.systems.analysis import Simulator
 
 from bath_drake.perception.canonical import fit_canonical_map
+from bath_drake.perception.map_filter import MapFilter
 from bath_drake.perception.segmentation import UP_W, BodyObservation
 from bath_drake.systems.canonical_projector import CanonicalProjector, unknown_map
 
@@ -16,43 +18,92 @@ def observation():
     return dataclasses.replace(
         BodyObservation(),
         found=True,
+        stamp=0.0,
         completed_points_W=points,
         completed_areas=rng.uniform(1e-5, 2e-5, 2000),
         p_WC=np.array([0.7, -1.3, 1.5]),
     )
 
 
-def _map(observation):
-    dut = CanonicalProjector()
+PERIOD = 1.0 / 30.0
+
+
+def _projector(observation):
+    dut = CanonicalProjector(period=PERIOD)
     context = dut.CreateDefaultContext()
     dut.GetInputPort("body_observation").FixValue(context, Value(observation))
-    return dut.GetOutputPort("canonical_map").Eval(context)
+    return dut, Simulator(dut, context)
 
 
-def test_the_map_is_that_of_the_pure_function(observation):
-    expected = fit_canonical_map(
+def _map(dut, simulator, end):
+    simulator.AdvanceTo(end)
+    return dut.GetOutputPort("canonical_map").Eval(simulator.get_context())
+
+
+def _assert_same(a, b):
+    for name in ("R_WP", "p_WP", "half_extents"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
+
+
+def _fitted(observation):
+    return fit_canonical_map(
         observation.completed_points_W,
         UP_W,
         observation.p_WC,
         observation.completed_areas,
     )
-    fitted = _map(observation)
-    for name in ("R_WP", "p_WP", "half_extents"):
-        np.testing.assert_array_equal(getattr(fitted, name), getattr(expected, name))
 
 
-def test_a_lost_body_leaves_the_last_good_map(observation):
-    lost = dataclasses.replace(observation, found=False, points_W=np.zeros((0, 3)))
-    np.testing.assert_array_equal(_map(lost).p_WP, _map(observation).p_WP)
+def test_the_first_map_is_that_of_the_pure_function(observation):
+    _assert_same(_map(*_projector(observation), 0.01), _fitted(observation))
+
+
+def test_a_later_map_is_that_of_the_pure_filter(observation):
+    dut, simulator = _projector(observation)
+    first = _map(dut, simulator, 0.01)
+    moved = dataclasses.replace(
+        observation,
+        stamp=PERIOD,
+        completed_points_W=observation.completed_points_W + np.full(3, 0.02),
+    )
+    context = simulator.get_mutable_context()
+    dut.GetInputPort("body_observation").FixValue(context, Value(moved))
+    expected = MapFilter().next(first, _fitted(moved), PERIOD)
+    _assert_same(_map(dut, simulator, PERIOD + 0.01), expected)
+
+
+def test_one_frame_counts_once(observation):
+    dut, simulator = _projector(observation)
+    first = _map(dut, simulator, 0.01)
+    _assert_same(_map(dut, simulator, 1.0), first)
+
+
+def test_a_lost_body_leaves_the_last_map(observation):
+    dut, simulator = _projector(observation)
+    first = _map(dut, simulator, 0.01)
+    lost = dataclasses.replace(
+        observation,
+        found=False,
+        stamp=PERIOD,
+        completed_points_W=observation.completed_points_W + 1.0,
+    )
+    context = simulator.get_mutable_context()
+    dut.GetInputPort("body_observation").FixValue(context, Value(lost))
+    _assert_same(_map(dut, simulator, 0.5), first)
 
 
 def test_before_any_body_the_map_is_the_unknown_one():
-    np.testing.assert_array_equal(_map(BodyObservation()).R_WP, unknown_map().R_WP)
+    dut, simulator = _projector(BodyObservation())
+    _assert_same(_map(dut, simulator, 0.5), unknown_map())
 
 
 def test_another_value_is_refused_by_name():
-    dut = CanonicalProjector()
-    context = dut.CreateDefaultContext()
-    dut.GetInputPort("body_observation").FixValue(context, Value(unknown_map()))
+    _, simulator = _projector(unknown_map())
     with pytest.raises(TypeError, match="body_observation"):
-        dut.GetOutputPort("canonical_map").Eval(context)
+        simulator.AdvanceTo(0.01)
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), float("inf")])
+def test_the_period_must_be_positive(period):
+    with pytest.raises(ValueError, match="period must be positive"):
+        CanonicalProjector(period=period)

@@ -118,15 +118,27 @@ def test_the_reference_integrates_as_the_pure_function(reference):
     position, v_NQ = P_NQ + np.array([0.01, 0.0]), np.array([0.3, -0.1])
     np.testing.assert_array_equal(
         step_reference(reference, position, v_NQ),
-        next_reference(P_NQ, position, v_NQ, 0.01, 0.05),
+        next_reference(P_NQ, position, v_NQ, dt=0.01, leash=0.05, pull=0.5),
     )
 
 
 def test_the_reference_never_runs_off_its_leash():
     far = np.array([0.5, 0.5])
-    ahead = next_reference(far, P_NQ, np.array([0.3, 0.0]), 0.01, 0.05)
+    ahead = next_reference(
+        far, P_NQ, np.array([0.3, 0.0]), dt=0.01, leash=0.05, pull=0.5
+    )
     # 1e-12: one scaling of a vector of length 1.
     assert np.linalg.norm(ahead - P_NQ) == pytest.approx(0.05, abs=1e-12)
+
+
+def test_a_nozzle_that_was_pushed_aside_draws_the_reference_to_itself():
+    reference, position = P_NQ, P_NQ + np.array([0.0, 0.04])
+    for _ in range(1000):
+        reference = next_reference(
+            reference, position, np.zeros(2), dt=0.01, leash=0.05, pull=0.5
+        )
+    # exp(-0.5 * 10) of 0.04 is 3e-4.
+    np.testing.assert_allclose(reference, position, atol=3e-4)
 
 
 @pytest.mark.parametrize("flags", [{"hold": 1}, {"phase": Phase.DESCEND}])

@@ -1,0 +1,46 @@
+"""`bath-drake simulate`: a scenario, closed-loop, judged."""
+
+import argparse
+from pathlib import Path
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the scenario and what may stand in for its choices."""
+    parser.add_argument("scenario", metavar="SCENARIO.yaml")
+    parser.add_argument("--skill", metavar="SKILL.yaml", help="instead of its own")
+    parser.add_argument("--person", metavar="DIR", help="a folder or a shipped name")
+    parser.add_argument("--seconds", type=float, metavar="S", help="longest run")
+    parser.add_argument("--meshcat", action="store_true", help="show it live")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="the run's folder")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Returns 0 if the verification passes, 1 if not."""
+    from bath_drake.commands._options import run_and_report
+    from bath_drake.errors import ScenarioError
+    from bath_drake.scenario import (
+        check_scenario,
+        find_scenario,
+        find_skill,
+        load_scenario,
+    )
+    from bath_drake.scene.people import find_person, load_person
+    from bath_drake.skill_file import load_skill
+
+    path = find_scenario(options.scenario)
+    scenario = load_scenario(path)
+    if options.person is not None:
+        folder = find_person(options.person)
+        # A path must mean the same when the report reads the run's folder.
+        named = Path(options.person)
+        scenario.scene.person = str(folder.resolve() if named.is_dir() else named)
+    if options.seconds is not None:
+        scenario.duration = options.seconds
+        try:
+            check_scenario(scenario)
+        except ValueError as error:
+            raise ScenarioError(f"--seconds: {error}") from error
+    load_person(scenario.scene.person)
+    skill = load_skill(find_skill(options.skill or scenario.skill))
+    folder = options.out or Path("runs") / path.stem
+    return run_and_report(folder, scenario, skill, options.meshcat)

@@ -1,0 +1,178 @@
+"""Runs a reproduction Diagram to its end and keeps what happened."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator, SimulatorStatus
+from pydrake.systems.framework import Context, Diagram
+
+from bath_drake.diagrams import LOGGED_PORTS, log_name
+from bath_drake.notation import FloatArray
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.safety.hold import HoldReason
+from bath_drake.scenario import Scenario
+from bath_drake.scene import make_control_plant
+from bath_drake.simulation_log import SimulationLog
+from bath_drake.systems._ports import drake_vector
+from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
+
+Progress = Callable[[float, float], None]
+
+_CHUNK_S = 0.1
+_KEYFRAME_PERIOD_S = 1.0
+
+
+def run(
+    diagram: Diagram, scenario: Scenario, progress: Progress | None = None
+) -> SimulationLog:
+    """Simulates until the loop monitor ends the run.
+
+    Args:
+        diagram: What `bath_drake.diagrams.build_reproduction` built.
+        scenario: What it was built from.
+        progress: Called with simulated and longest seconds as the run goes on.
+
+    Raises:
+        RuntimeError: If the Diagram has no loop monitor that ends the run.
+    """
+    simulator = Simulator(diagram)
+    context = simulator.get_mutable_context()
+    simulator.Initialize()
+    wall_time = [(0.0, 0.0)]
+    keyframes: list[dict[str, Any]] = []
+    outcome = ""
+    while not outcome:
+        boundary = len(wall_time) * _CHUNK_S
+        if boundary > scenario.duration + 1.0:
+            raise RuntimeError("nothing ended the run: is there a loop_monitor?")
+        begin = time.perf_counter()
+        status = simulator.AdvanceTo(boundary)
+        elapsed = time.perf_counter() - begin
+        if status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition:
+            outcome = status.message()
+        now = context.get_time()
+        wall_time.append((now, wall_time[-1][1] + elapsed))
+        # Outside the clock: no loop needs them.
+        due = len(keyframes) * _KEYFRAME_PERIOD_S + _CHUNK_S
+        if outcome or now >= due - 1e-9:
+            keyframes.append(_keyframe(diagram, context))
+        if progress is not None:
+            progress(now, scenario.duration)
+    return _collect(diagram, context, scenario, wall_time, keyframes, outcome)
+
+
+def _output(diagram: Diagram, context: Context, system: str, port: str) -> Any:
+    subsystem = diagram.GetSubsystemByName(system)
+    return subsystem.GetOutputPort(port).Eval(subsystem.GetMyContextFromRoot(context))
+
+
+def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
+    observation = _output(diagram, context, "body_segmenter", "body_observation")
+    canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
+    areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
+    colour = _output(diagram, context, "camera", "color_image").data
+    depth = _output(diagram, context, "camera", "depth_image_32f").data
+    completed = float(np.sum(observation.completed_areas))
+    hidden = 1.0 - observation.area / completed if completed > 0.0 else 1.0
+    return {
+        "time": context.get_time(),
+        "colour": colour[:, :, :3].copy(),
+        "depth": depth[:, :, 0].copy(),
+        "mask": observation.mask,
+        "robot": observation.robot_mask,
+        "map": _map_row(canonical_map),
+        "areas": areas.theta,
+        "reach": (observation.visible_fraction, hidden),
+    }
+
+
+def _map_row(canonical_map: CanonicalMap) -> FloatArray:
+    return np.concatenate(
+        [
+            canonical_map.R_WP.ravel(),
+            canonical_map.p_WP,
+            canonical_map.half_extents,
+        ]
+    )
+
+
+def _collect(
+    diagram: Diagram,
+    context: Context,
+    scenario: Scenario,
+    wall_time: list[tuple[float, float]],
+    keyframes: list[dict[str, Any]],
+    outcome: str,
+) -> SimulationLog:
+    series: dict[str, FloatArray] = {}
+    for system, port in LOGGED_PORTS:
+        sink: Any = diagram.GetSubsystemByName(log_name(system, port))
+        log = sink.FindLog(context)
+        series[port] = log.data().T.copy()
+        series["time"] = log.sample_times().copy()
+    camera = scenario.scene.camera
+    X_WC = np.eye(4)
+    X_WC[:3, :3], X_WC[:3, 3] = camera.rotation(), camera.eye
+
+    def stacked(key: str) -> Any:
+        return np.array([frame[key] for frame in keyframes])
+
+    return SimulationLog(
+        time=series["time"],
+        canonical_position=series["canonical_position"],
+        canonical_reference=series["canonical_reference"],
+        phase=series["phase"][:, 0],
+        standoff=series["standoff"][:, 0],
+        hold_reason=series["hold_reason"][:, 0],
+        arm_state=series["arm_state"],
+        joint_command=series["joint_command"],
+        nozzle_pose=_nozzle_poses(scenario, series["arm_state"]),
+        body_pose=series["body_pose"],
+        hold_counts=_output(diagram, context, "hold_supervisor", "hold_counts")[
+            : len(HoldReason)
+        ],
+        wall_time=np.array(wall_time),
+        frames=np.array(int(context.get_time() * scenario.perception.camera_rate) + 1),
+        outcome=outcome,
+        keyframe_time=stacked("time"),
+        keyframe_colour=stacked("colour"),
+        keyframe_depth=stacked("depth"),
+        keyframe_mask=stacked("mask"),
+        keyframe_robot=stacked("robot"),
+        keyframe_map=stacked("map"),
+        keyframe_areas=_numbered_rows(keyframes),
+        keyframe_reach=stacked("reach"),
+        intrinsics=np.array(
+            [getattr(camera, k) for k in ("width", "height", "fx", "fy", "cx", "cy")],
+            dtype=np.float64,
+        ),
+        X_WC=X_WC,
+    )
+
+
+def _numbered_rows(keyframes: list[dict[str, Any]]) -> FloatArray:
+    rows = [
+        np.concatenate([[k], row])
+        for k, frame in enumerate(keyframes)
+        for row in frame["areas"]
+    ]
+    return np.array(rows).reshape(-1, 6)
+
+
+def _nozzle_poses(scenario: Scenario, arm_state: FloatArray) -> FloatArray:
+    """X_WE of each sample, from the joint positions: (T, 7)."""
+    plant = make_control_plant(scenario.scene.arm)
+    context = plant.CreateDefaultContext()
+    frame = plant.GetFrameByName(NOZZLE_FRAME)
+    poses = np.zeros((len(arm_state), 7))
+    for row, state in zip(poses, arm_state, strict=True):
+        plant.SetPositions(context, drake_vector(state[:7]))
+        row[:] = _pose_row(frame.CalcPoseInWorld(context))
+    return poses
+
+
+def _pose_row(X: RigidTransform) -> FloatArray:
+    return np.concatenate([X.rotation().ToQuaternion().wxyz(), X.translation()])

@@ -1,0 +1,285 @@
+"""Judges a run against the truth: the person's own mesh and the demonstration."""
+
+import importlib.metadata
+import platform
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RigidTransform
+
+from bath_drake import __version__
+from bath_drake.field.critical_points import check_field
+from bath_drake.field.navigation import min_beta
+from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.rollout import rollout
+from bath_drake.learning.frechet import discrete_frechet
+from bath_drake.learning.skill import Skill
+from bath_drake.notation import FloatArray, IntArray
+from bath_drake.safety.approach import Phase
+from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.outcome import LoopOutcome
+from bath_drake.scenario import Limits, Scenario
+from bath_drake.scene.people import Person, load_person
+from bath_drake.scene.wound import wound_patch
+from bath_drake.simulation_log import SimulationLog
+from bath_drake.systems._ports import drake_vector
+from bath_drake.truth import TrueSkin, signed_polygon_distance
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evaluation:
+    """What a run came to; the series run from the first stand-off to its end.
+
+    Attributes:
+        metrics: The content of metrics.json.
+        time: (n,) s.
+        surface_error_mm: (n,) nozzle to true skin, less the stand-off.
+        normal_error_deg: (n,) nozzle axis against the true normal.
+        speed: (n,) of the washed point along the skin, m/s.
+        executed: (n, 2) washed points in true canonical space.
+        washed_points_M: (n, 3) washed points on the true skin, in M, m.
+        normals_M: (n, 3) true outward normals there.
+        clearance_mm: (n,) washed point to the nearest wound along the back, less
+            than zero inside one; None without wounds.
+        wound_polygons_N: Outlines (m, 2) of the wounds in true canonical space.
+        mean_demonstration: (T, 2) of the skill's demonstrations.
+        rollout: (T, 2) of the skill, no simulator.
+    """
+
+    metrics: dict[str, Any]
+    time: FloatArray
+    surface_error_mm: FloatArray
+    normal_error_deg: FloatArray
+    speed: FloatArray
+    executed: FloatArray
+    washed_points_M: FloatArray
+    normals_M: FloatArray
+    clearance_mm: FloatArray | None
+    wound_polygons_N: list[FloatArray]
+    mean_demonstration: FloatArray
+    rollout: FloatArray
+
+
+def pose_from_row(row: FloatArray) -> RigidTransform:
+    """Returns the pose of a row (7,): quaternion w, x, y, z and position."""
+    quaternion = Quaternion(drake_vector(row[:4] / np.linalg.norm(row[:4])))
+    return RigidTransform(quaternion, drake_vector(row[4:]))
+
+
+def wound_outlines(scenario: Scenario, person: Person) -> list[FloatArray]:
+    """Returns the outlines (m, 3) in M of the wounds on the true skin."""
+    wound = scenario.scene.wound
+    if wound is None:
+        return []
+    centre, semi_axes = np.array(wound.centre), np.array(wound.semi_axes)
+    return [wound_patch(person, centre, semi_axes, wound.angle).outline]
+
+
+def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation:
+    """Measures a run and judges it by the scenario's limits."""
+    person = load_person(scenario.scene.person)
+    skin = TrueSkin(person)
+    washing = np.flatnonzero(log.phase == Phase.WASH)
+    nozzle, jet = _nozzle_in_mesh(log, washing)
+    distance, _, normals = skin.nearest(nozzle)
+    hits, met = skin.hit(nozzle, jet)
+    time, hits = log.time[washing], hits[met]
+    cosine = np.clip(-(jet * normals).sum(axis=1), -1.0, 1.0)
+    executed = skin.canonical_map.canonical_from_world(hits)
+    outlines = [
+        skin.canonical_map.plane_from_world(outline)[:, :2]
+        for outline in wound_outlines(scenario, person)
+    ]
+    clearance = _clearance(skin.canonical_map.plane_from_world(hits)[:, :2], outlines)
+    half = skin.canonical_map.half_extents
+    path = rollout(skill.start, skill.field).path
+    surface_error = (distance - scenario.control.standoff) * 1e3
+    normal_error = np.degrees(np.arccos(cosine))
+    speed = _speed(time[met], hits)
+    metrics: dict[str, Any] = {
+        "frechet": _frechet(skill, executed, path),
+        "certificate": _certificate(log, skill),
+        "reached_goal": log.outcome == LoopOutcome.GOAL_REACHED.name,
+        "outcome": log.outcome,
+        "time_to_goal_s": float(log.time[-1]),
+        "washing_time_s": float(np.ptp(time)) if len(time) else 0.0,
+        "surface_error_mm": _mean_max(np.abs(surface_error)),
+        "normal_error_deg": _mean_max(normal_error),
+        "standoff_or_force": _mean_max(distance),
+        "speed_m_per_s": _mean_max(speed),
+        "washed_off_the_body": int(np.count_nonzero(~met)),
+        "restricted_entries": _entries(clearance),
+        "restricted_min_clearance_mm": _least(clearance),
+        "min_beta": _min_beta(log, skill, washing),
+        "coverage": None,
+        "frames": int(log.frames),
+        "dropped_frames": 0,
+        "holds": {
+            reason.name.lower(): int(count)
+            for reason, count in zip(HoldReason, log.hold_counts, strict=True)
+            if reason is not HoldReason.NONE
+        },
+        "robot_hides_at_most": _most(log.keyframe_reach[:, 1]),
+        "real_time_factor": log.real_time_factor,
+        "versions": versions(),
+        "seed": scenario.random_seed,
+    }
+    checks = _checks(metrics, scenario.limits)
+    passed = all(check["pass"] for check in checks.values())
+    metrics = {"verdict": "pass" if passed else "fail", "checks": checks, **metrics}
+    return Evaluation(
+        metrics=metrics,
+        time=time,
+        surface_error_mm=surface_error,
+        normal_error_deg=normal_error,
+        speed=speed,
+        executed=executed,
+        washed_points_M=hits,
+        normals_M=normals[met],
+        clearance_mm=clearance,
+        wound_polygons_N=[outline / half for outline in outlines],
+        mean_demonstration=skill.mean_demonstration,
+        rollout=path,
+    )
+
+
+def versions() -> dict[str, str]:
+    """Returns the versions that a figure depends on."""
+    packages = ("drake", "numpy", "numba", "open3d-cpu")
+    found = {name: importlib.metadata.version(name) for name in packages}
+    return {"bath_drake": __version__, "python": platform.python_version(), **found}
+
+
+def _nozzle_in_mesh(
+    log: SimulationLog, samples: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Nozzle tips and jet directions (n, 3) in frame M at the given samples."""
+    tips, jets = np.zeros((len(samples), 3)), np.zeros((len(samples), 3))
+    for row, k in enumerate(samples):
+        X_ME = pose_from_row(log.body_pose[k]).InvertAndCompose(
+            pose_from_row(log.nozzle_pose[k])
+        )
+        tips[row], jets[row] = X_ME.translation(), X_ME.rotation().col(2)
+    return tips, jets
+
+
+def _frechet(
+    skill: Skill, executed: FloatArray, path: FloatArray
+) -> dict[str, float | None]:
+    def distance(a: FloatArray, b: FloatArray) -> float | None:
+        if len(a) < 2:
+            return None
+        return discrete_frechet(a, b) / skill.scale
+
+    return {
+        "learned": distance(path, skill.mean_demonstration),
+        "executed": distance(executed, skill.mean_demonstration),
+        "executed_against_learned": distance(executed, path),
+        "scale": skill.scale,
+    }
+
+
+def _sensed(log: SimulationLog) -> ObstacleSet:
+    """The restricted areas of the last key frame."""
+    if not len(log.keyframe_areas):
+        return ObstacleSet()
+    last = log.keyframe_areas[:, 0] == len(log.keyframe_time) - 1
+    return ObstacleSet(log.keyframe_areas[last, 1:])
+
+
+def _certificate(log: SimulationLog, skill: Skill) -> dict[str, Any]:
+    """The verdict on the world that was driven in: sensed areas make another one."""
+    sensed = _sensed(log)
+    check = check_field(skill.field.with_obstacles(sensed), skill.start)
+    return {
+        "verdict": check.verdict,
+        "reason": check.reason,
+        "world": "skill and sensed areas" if len(sensed) else "skill",
+        "sensed_areas": len(sensed),
+    }
+
+
+def _min_beta(log: SimulationLog, skill: Skill, washing: IntArray) -> float | None:
+    if not len(washing):
+        return None
+    field = skill.field.with_obstacles(_sensed(log))
+    return float(np.min(min_beta(log.canonical_position[washing], field)))
+
+
+def _clearance(points: FloatArray, outlines: list[FloatArray]) -> FloatArray | None:
+    if not outlines:
+        return None
+    distances = [signed_polygon_distance(points, outline) for outline in outlines]
+    return np.asarray(np.min(distances, axis=0) * 1e3)
+
+
+def _entries(clearance: FloatArray | None) -> int:
+    """How often the washed point went into a wound."""
+    if clearance is None:
+        return 0
+    inside = np.concatenate([[False], clearance < 0.0])
+    return int(np.count_nonzero(inside[1:] & ~inside[:-1]))
+
+
+def _least(values: FloatArray | None) -> float | None:
+    return float(np.min(values)) if values is not None and len(values) else None
+
+
+def _most(values: FloatArray) -> float | None:
+    return float(np.max(values)) if len(values) else None
+
+
+def _mean_max(values: FloatArray) -> dict[str, float | None]:
+    if not len(values):
+        return {"mean": None, "max": None}
+    return {"mean": float(np.mean(values)), "max": float(np.max(values))}
+
+
+def _speed(time: FloatArray, points: FloatArray) -> FloatArray:
+    if len(time) < 2:
+        return np.zeros(len(time))
+    return np.asarray(np.linalg.norm(np.gradient(points, time, axis=0), axis=1))
+
+
+def _checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str, Any]]:
+    """Compares figures with limits; a figure that is missing has not passed."""
+    bounded = {
+        "frechet_learned": (metrics["frechet"]["learned"], limits.frechet_learned),
+        "frechet_executed": (metrics["frechet"]["executed"], limits.frechet_executed),
+        "surface_error_mean_mm": (
+            metrics["surface_error_mm"]["mean"],
+            limits.surface_error_mean_mm,
+        ),
+        "surface_error_max_mm": (
+            metrics["surface_error_mm"]["max"],
+            limits.surface_error_max_mm,
+        ),
+        "normal_error_mean_deg": (
+            metrics["normal_error_deg"]["mean"],
+            limits.normal_error_mean_deg,
+        ),
+        "restricted_entries": (
+            metrics["restricted_entries"],
+            limits.restricted_entries,
+        ),
+        "washed_off_the_body": (metrics["washed_off_the_body"], 0),
+    }
+    checks: dict[str, dict[str, Any]] = {
+        "reached_goal": {
+            "value": metrics["reached_goal"],
+            "limit": True,
+            "pass": metrics["reached_goal"],
+        },
+        "certificate": {
+            "value": metrics["certificate"]["verdict"],
+            "limit": "not refuted",
+            "pass": metrics["certificate"]["verdict"] != "refuted",
+        },
+    }
+    for name, (value, limit) in bounded.items():
+        if limit is not None:
+            passed = value is not None and bool(value <= limit)
+            checks[name] = {"value": value, "limit": limit, "pass": passed}
+    return checks

@@ -1,0 +1,43 @@
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from bath_drake.errors import RunFolderError
+from bath_drake.simulation_log import SimulationLog
+
+
+@pytest.fixture
+def log():
+    arrays = {f.name: np.arange(6.0).reshape(3, 2) for f in fields(SimulationLog)}
+    return SimulationLog(**{**arrays, "outcome": "GOAL_REACHED"})
+
+
+def test_a_log_reads_back_bit_by_bit(log, tmp_path):
+    path = tmp_path / "log.npz"
+    log.save(path)
+    back = SimulationLog.load(path)
+    assert back.outcome == log.outcome
+    for field in fields(log):
+        if field.name != "outcome":
+            expected = getattr(log, field.name)
+            np.testing.assert_array_equal(getattr(back, field.name), expected)
+
+
+def test_the_real_time_factor_is_that_of_the_whole_run(log):
+    assert log.real_time_factor == 4.0 / 5.0
+
+
+@pytest.mark.parametrize("content", [b"", b"junk", b"PK\x03\x04junk"])
+def test_a_damaged_log_is_refused_by_its_name(tmp_path, content):
+    path = tmp_path / "log.npz"
+    path.write_bytes(content)
+    with pytest.raises(RunFolderError, match=r"log\.npz"):
+        SimulationLog.load(path)
+
+
+def test_a_log_that_lacks_a_series_says_which(tmp_path):
+    path = tmp_path / "log.npz"
+    np.savez(path, time=np.zeros(3))
+    with pytest.raises(RunFolderError, match="canonical_position"):
+        SimulationLog.load(path)
