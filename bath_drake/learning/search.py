@@ -13,7 +13,7 @@ from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.descent import descend
 from bath_drake.learning.genetic import GeneticSettings, evolve
-from bath_drake.learning.seeding import seed_population
+from bath_drake.learning.seeding import grow, seed_population
 from bath_drake.notation import FloatArray
 
 _FINALISTS = 4
@@ -29,6 +29,7 @@ class Journal:
         scale: What costs are divided by.
         progress: Called with steps done, steps in all and the best cost.
         history: (members evaluated, best C over the scale), ever better.
+        learned: Finished members of the last count, for the next to start from.
     """
 
     rounds: int
@@ -36,6 +37,7 @@ class Journal:
     progress: Callable[[int, int, float], None] | None
     history: list[tuple[int, float]] = field(default_factory=list)
     evaluations: int = 0
+    learned: list[FloatArray] = field(default_factory=list)
     _done: int = 0
     _total: int = 0
 
@@ -158,11 +160,14 @@ def _search_auto(
         journal.plan(1)
         xs, _ = improve(np.array([[0.7]]))
         journal.note(problem, xs[0])
+        journal.learned = [xs[0]]
         return [xs[0]]
     journal.plan(settings.generations + 2)
     # C cannot fall much below the demonstrations' own spread, and finishing lowers it.
     enough = config.target + 0.5 * problem.strokes.floor
     xs = seed_population(problem, count, config.seeds, rng)
+    for x in journal.learned:
+        xs = np.concatenate([xs, grow(x, count, config.seeds // 8, problem, rng)])
     journal.note(problem, xs[0])
     xs, costs = evolve(
         cost,
@@ -180,6 +185,7 @@ def _search_auto(
     done = [x for x, _ in finished]
     totals = problem.evaluate(np.array(done)).total
     journal.note(problem, done[int(np.argmin(totals))])
+    journal.learned = [done[i] for i in np.argsort(totals, kind="stable")[:2]]
     return done
 
 

@@ -71,6 +71,32 @@ def seed_population(
     return genome.clip(found, problem.workspace)
 
 
+def grow(
+    x: FloatArray,
+    count: int,
+    size: int,
+    problem: LearningProblem,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """``size`` copies of a member with obstacles added beside the stroke.
+
+    What fewer obstacles have learned is a good first guess for ``count`` of them:
+    the shape is (size, 5 count + 1), and no added obstacle is wider than 0.08, so
+    that the flow is disturbed in one place only.
+    """
+    curve = problem.strokes.mean
+    missing = count - genome.obstacle_count(x)
+    grown = np.empty((size, genome.GENES * count + 1))
+    for n in range(size):
+        rows = np.empty((missing, genome.GENES))
+        for i in range(missing):
+            at = int(rng.integers(2, len(curve) - 2))
+            rows[i] = _beside(curve, at, rng.choice([-1.0, 1.0]), problem, rng)
+        rows[:, 2:4] = np.minimum(rows[:, 2:4], np.log(0.08))
+        grown[n] = np.concatenate([x[:-1], rows.ravel(), x[-1:]])
+    return genome.clip(grown, problem.workspace)
+
+
 def _beside(
     curve: FloatArray,
     at: int,
