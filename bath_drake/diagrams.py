@@ -275,7 +275,7 @@ def _add_control(
         (supervisor, "hold", [ik, reference, approach]),
     ):
         _connect(builder, source, port, sinks)
-    # The flow is asked where the reference is; see bath_drake.field.reference.
+    # The flow is asked where the reference is; see bath_drake.control.reference.
     builder.Connect(
         reference.GetOutputPort("canonical_reference"),
         controller.GetInputPort("canonical_position"),

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from pydrake.geometry import Meshcat, Rgba
 
+from bath_drake.control.approach import Phase
 from bath_drake.errors import RunFolderError
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.report import style
 from bath_drake.report.keyframe import Keyframe
-from bath_drake.safety.approach import Phase
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.verification import Evaluation, pose_from_row
 from bath_drake.yaml_io import write_atomically

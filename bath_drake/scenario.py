@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from bath_drake.control.approach import ApproachLimits
 from bath_drake.errors import ScenarioError
 from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.resources import diagrams_folder, models_folder
-from bath_drake.safety.approach import ApproachLimits
 from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
 from bath_drake.scene.config import SceneConfig, check_scene

@@ -23,7 +23,7 @@ class SimulationLog:
         time: (T,) s.
         canonical_position: (T, 2) of the washed point, as the loop saw it, in N.
         canonical_reference: (T, 2) what it aimed at, in N.
-        phase: (T,) a `bath_drake.safety.approach.Phase` each.
+        phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
         hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
         arm_state: (T, 14) joint positions and velocities, rad and rad/s.

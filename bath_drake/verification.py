@@ -10,6 +10,7 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform
 
 from bath_drake import __version__
+from bath_drake.control.approach import Phase
 from bath_drake.field.critical_points import check_field
 from bath_drake.field.navigation import min_beta
 from bath_drake.field.obstacles import ObstacleSet
@@ -17,15 +18,14 @@ from bath_drake.field.rollout import rollout
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.safety.approach import Phase
+from bath_drake.patient.people import Person, load_person
+from bath_drake.patient.skin import TrueSkin
+from bath_drake.patient.wound import signed_polygon_distance, wound_patch
 from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.scenario import Limits, Scenario
-from bath_drake.scene.people import Person, load_person
-from bath_drake.scene.wound import wound_patch
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.systems._ports import drake_vector
-from bath_drake.truth import TrueSkin, signed_polygon_distance
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

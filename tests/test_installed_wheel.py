@@ -33,7 +33,7 @@ def test_the_wheel_carries_models_and_scenarios_but_no_tests(unpacked):
 def test_a_scenario_loads_from_the_wheel_alone(unpacked, tmp_path):
     program = (
         "import bath_drake.resources as r, bath_drake.scenario as s;"
-        "from bath_drake.scene.people import load_person;"
+        "from bath_drake.patient.people import load_person;"
         "print(r.models_folder()); load_person(s.load_scenario('reproduction')"
         ".scene.person)"
     )

@@ -18,13 +18,13 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if the verification passes, 1 if not."""
     from bath_drake.commands._options import run_and_report
     from bath_drake.errors import ScenarioError
+    from bath_drake.patient.people import find_person, load_person
     from bath_drake.scenario import (
         check_scenario,
         find_scenario,
         find_skill,
         load_scenario,
     )
-    from bath_drake.scene.people import find_person, load_person
     from bath_drake.skill_file import load_skill
 
     path = find_scenario(options.scenario)

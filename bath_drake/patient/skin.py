@@ -1,7 +1,7 @@
-"""The true skin, for verification alone: distances, normals and places on it.
+"""The true skin: distances, normals and places on it.
 
-Nothing in the loop may import this module: what the robot knows of the person
-comes from the camera.
+For the scene and the verification alone. Nothing in the loop may import this
+module: what the robot knows of the person comes from the camera.
 """
 
 from dataclasses import dataclass
@@ -14,8 +14,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.patient.people import LABEL_BACK, Person
 from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
-from bath_drake.scene.people import LABEL_BACK, Person
+
+# Higher above the back's plane than any skin of it, m.
+_ABOVE_M = 0.5
 
 
 def _tensor(array: Any, kind: Any = np.float32) -> Any:
@@ -82,6 +85,22 @@ class TrueSkin:
         reach = np.where(met, distance, 0.0)[:, None]
         return p_MQ + reach * direction_M, met
 
+    def on_back(self, p_MQ: FloatArray) -> BoolArray:
+        """Whether points (n, 3) lie nearest to triangles of the back: (n,)."""
+        found = self._scene.compute_closest_points(_tensor(p_MQ))
+        triangles = self.person.triangles[found["primitive_ids"].numpy()]
+        return np.asarray((self.person.labels[triangles] == LABEL_BACK).any(axis=1))
+
+    def under(self, p_N: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Finds the skin under true canonical points (n, 2), seen along the normal.
+
+        Returns:
+            Points (n, 3) on the skin, and whether there is skin at all, (n,).
+        """
+        outward = self.canonical_map.normal_W
+        above = self.canonical_map.world_from_canonical(p_N) + _ABOVE_M * outward
+        return self.hit(above, np.broadcast_to(-outward, above.shape))
+
     @cached_property
     def canonical_map(self) -> CanonicalMap:
         """The canonical map as it truly is: of the labelled back, in M for W."""
@@ -105,20 +124,3 @@ def _largest_piece(triangles: IntArray, chosen: BoolArray) -> BoolArray:
     _, piece = connected_components(graph, directed=False)
     largest = np.bincount(piece[f[:, 0]]).argmax()
     return np.asarray(chosen & (piece[triangles[:, 0]] == largest))
-
-
-def signed_polygon_distance(points: FloatArray, polygon: FloatArray) -> FloatArray:
-    """Distance (n,) of points (n, 2) to a simple polygon (m, 2); negative inside."""
-    start, end = polygon, np.roll(polygon, -1, axis=0)
-    edge = end - start
-    offset = points[:, None, :] - start
-    share = (offset * edge).sum(axis=2) / np.maximum((edge**2).sum(axis=1), 1e-300)
-    nearest = offset - np.clip(share, 0.0, 1.0)[:, :, None] * edge
-    distance = np.sqrt((nearest**2).sum(axis=2)).min(axis=1)
-    # Even-odd rule: a ray to the right crosses the outline an odd number of times.
-    x, y = points[:, :1], points[:, 1:]
-    straddles = (start[:, 1] > y) != (end[:, 1] > y)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossing = start[:, 0] + (y - start[:, 1]) * edge[:, 0] / edge[:, 1]
-    inside = (straddles & (x < crossing)).sum(axis=1) % 2 == 1
-    return np.asarray(np.where(inside, -distance, distance))

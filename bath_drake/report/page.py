@@ -9,12 +9,12 @@ import jinja2
 import numpy as np
 from matplotlib.figure import Figure
 
+from bath_drake.control.approach import Phase
 from bath_drake.errors import RunFolderError
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.chain import ChainFigures, draw_chain
 from bath_drake.report.run_data import RunData, load_run
-from bath_drake.safety.approach import Phase
 from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.yaml_io import write_atomically

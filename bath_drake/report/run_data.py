@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from bath_drake.control.approach import Phase
 from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.demonstrations.processing import canonical_demonstrations
 from bath_drake.demonstrations.recording import read_recording
@@ -16,7 +17,6 @@ from bath_drake.field.rollout import rollout
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray
 from bath_drake.report.keyframe import Keyframe
-from bath_drake.safety.approach import Phase
 from bath_drake.scenario import Scenario, find_demonstration, load_scenario
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.skill_file import load_skill

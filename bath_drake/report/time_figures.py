@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
+from bath_drake.control.approach import Phase
 from bath_drake.notation import FloatArray
 from bath_drake.report import style
 from bath_drake.report.run_data import RunData
-from bath_drake.safety.approach import Phase
 from bath_drake.safety.hold import HoldReason
 
 _PHASE_NAMES = {

@@ -12,8 +12,8 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.notation import FloatArray
 from bath_drake.resources import models_folder
-from bath_drake.scene._poses import at
 from bath_drake.scene.config import ArmConfig
+from bath_drake.systems._poses import at
 
 JOINTS = tuple(f"fr3_joint{k}" for k in range(1, 8))
 _ACTUATORS = tuple(f"a{k}" for k in range(1, 8))

@@ -1,7 +1,6 @@
 """Puts the scene into a DiagramBuilder: room, person, arm, camera."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from pydrake.geometry import (
@@ -36,11 +35,11 @@ from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
-from bath_drake.scene._poses import at, rotation_from
+from bath_drake.patient.motion import person_pose
+from bath_drake.patient.people import PARTS, Person, load_person
+from bath_drake.patient.wound import WoundPatch, wound_patch
 from bath_drake.scene.arm import add_arm, home_position
 from bath_drake.scene.config import CameraConfig, SceneConfig, check_scene
-from bath_drake.scene.motion import person_pose
-from bath_drake.scene.people import PARTS, Person, load_person
 from bath_drake.scene.room import (
     add_camera_stand,
     add_pedestal,
@@ -49,10 +48,8 @@ from bath_drake.scene.room import (
     coloured,
     obj_mesh,
 )
-from bath_drake.scene.wound import WoundPatch, wound_patch
-
-if TYPE_CHECKING:
-    from bath_drake.systems.patient_motion import PatientMotion
+from bath_drake.systems._poses import at, rotation_from
+from bath_drake.systems.patient_motion import PatientMotion
 
 # Labels of the person's parts in the label image, for tests and verification.
 PERSON_LABELS = {part: 100 + k for k, part in enumerate(PARTS)}
@@ -84,7 +81,7 @@ class Scene:
     plant: MultibodyPlant
     scene_graph: SceneGraph
     camera: RgbdSensor
-    patient_motion: "PatientMotion"
+    patient_motion: PatientMotion
     arm: ModelInstanceIndex
     person: Person
     person_frame: FrameId
@@ -136,9 +133,6 @@ def add_scene(
     add_pedestal(scene_graph, room, config.arm)
     add_camera_stand(scene_graph, room, config.camera)
     source, frame, wound = _add_person(scene_graph, person, config)
-    # Imported here: systems take their mathematics from this very package.
-    from bath_drake.systems.patient_motion import PatientMotion
-
     motion = PatientMotion(
         frame_id=frame,
         motion=config.motion,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bath_drake.notation import FloatArray
-from bath_drake.scene.motion import MotionConfig, check_motion
+from bath_drake.patient.motion import MotionConfig, check_motion
 
 
 @dataclass(kw_only=True)

@@ -19,8 +19,8 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform, RotationMatrix
 
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.scene._poses import at
 from bath_drake.scene.config import ArmConfig, CameraConfig
+from bath_drake.systems._poses import at
 
 # Labels of the room; the arm's bodies take the low numbers, people 100 and up.
 ROOM_LABEL, STOOL_LABEL, PEDESTAL_LABEL = 200, 201, 202

@@ -5,7 +5,7 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from bath_drake.safety.approach import ApproachLimits, Phase, next_approach
+from bath_drake.control.approach import ApproachLimits, Phase, next_approach
 from bath_drake.systems._ports import drake_vector, eval_scalar, eval_value
 
 
@@ -23,7 +23,7 @@ class ApproachSequencer(LeafSystem):
         - phase
         - standoff
 
-    `phase` is a `bath_drake.safety.approach.Phase`; `standoff` is in metres.
+    `phase` is a `bath_drake.control.approach.Phase`; `standoff` is in metres.
     Nothing advances while `hold` is above one half.
     """
 

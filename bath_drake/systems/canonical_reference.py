@@ -3,9 +3,9 @@
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from bath_drake.field.reference import next_reference
+from bath_drake.control.approach import Phase
+from bath_drake.control.reference import next_reference
 from bath_drake.notation import FloatArray
-from bath_drake.safety.approach import Phase
 from bath_drake.systems._ports import drake_vector, eval_scalar, eval_vector
 
 
@@ -25,7 +25,7 @@ class CanonicalReference(LeafSystem):
 
     Points in canonical space N, shape (2,). `canonical_position` is the measured
     one, `canonical_velocity` that of the field at the reference; see
-    `bath_drake.field.reference`. The reference stands still while `hold` is above
+    `bath_drake.control.reference`. The reference stands still while `hold` is above
     one half or `phase` is not WASH; unconnected, neither is so.
     """
 

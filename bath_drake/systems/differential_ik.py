@@ -13,14 +13,14 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from bath_drake.notation import FloatArray
-from bath_drake.scene.pose_tracking import (
+from bath_drake.control.pose_tracking import (
     TrackingConfig,
     is_pose,
     next_feed_forward,
     next_twist,
     pose_difference,
 )
+from bath_drake.notation import FloatArray
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 

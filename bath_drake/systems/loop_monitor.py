@@ -5,9 +5,9 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, EventStatus, LeafSystem
 
+from bath_drake.control.approach import Phase
 from bath_drake.field.navigation import NavigationField
 from bath_drake.perception.surface import SurfacePatch
-from bath_drake.safety.approach import Phase
 from bath_drake.safety.outcome import LoopBounds, LoopOutcome, judge_loop
 from bath_drake.systems._ports import eval_value, eval_vector
 

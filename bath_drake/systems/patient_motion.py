@@ -9,9 +9,9 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.notation import FloatArray
-from bath_drake.scene._poses import at, rotation_from
-from bath_drake.scene.motion import MotionConfig, check_motion, person_pose
+from bath_drake.patient.motion import MotionConfig, check_motion, person_pose
 from bath_drake.systems._ports import set_vector
+from bath_drake.systems._poses import at, rotation_from
 
 
 class PatientMotion(LeafSystem):

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bath_drake.safety.approach import ApproachLimits, Phase, next_approach
+from bath_drake.control.approach import ApproachLimits, Phase, next_approach
 
 LIMITS = ApproachLimits()
 

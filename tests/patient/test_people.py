@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bath_drake.errors import ScenarioError
+from bath_drake.patient.people import LABEL_BACK, PARTS, find_person, load_person
 from bath_drake.resources import models_folder
-from bath_drake.scene.people import LABEL_BACK, PARTS, find_person, load_person
 
 PEOPLE = ("f_thin", "f_avg", "m_avg", "m_heavy")
 

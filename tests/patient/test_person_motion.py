@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bath_drake.scene.motion import MotionConfig, check_motion, person_displacement
+from bath_drake.patient.motion import MotionConfig, check_motion, person_displacement
 
 HIPS = np.array([0.0, -0.1, 0.5])
 BACK = np.array([0.0, 1.0, 0.0])

@@ -16,14 +16,14 @@ from bath_drake.demonstrations.recording import read_recording
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.learning.skill import Skill
+from bath_drake.patient.people import LABEL_BACK, load_person
+from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.scenario import Scenario, dump_scenario, find_demonstration
 from bath_drake.scene.config import WoundConfig
-from bath_drake.scene.people import LABEL_BACK, load_person
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.skill_file import save_skill
-from bath_drake.truth import TrueSkin
 from bath_drake.verification import evaluate
 
 SKIN = np.array([0.80, 0.60, 0.50])

@@ -6,10 +6,10 @@ from pydrake.geometry import Role
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from bath_drake.patient.skin import TrueSkin
 from bath_drake.scene.arm import ArmGeometry, home_position
 from bath_drake.scene.assembly import PERSON_LABELS, WOUND_LABEL, add_scene
 from bath_drake.scene.config import ArmConfig, SceneConfig, WoundConfig, check_scene
-from bath_drake.scene.wound import back_point
 
 TIME = 7.3  # s, when the person has moved in every way
 
@@ -48,7 +48,7 @@ def test_the_moving_persons_mesh_is_where_it_should_be(scene_and_diagram, contex
     scene, _, _ = scene_and_diagram
     context.SetTime(TIME)
     grid = np.stack(np.meshgrid([-0.5, 0.0, 0.5], [-0.4, 0.0, 0.4]), -1)
-    skin_M = back_point(scene.person, grid.reshape(-1, 2))
+    skin_M, _ = TrueSkin(scene.person).under(grid.reshape(-1, 2))
     pixels, expected = project(scene, scene.true_person_pose(TIME).multiply(skin_M.T).T)
     camera = scene.camera.GetMyContextFromRoot(context)
     depth = scene.camera.depth_image_32F_output_port().Eval(camera).data[..., 0]
@@ -78,7 +78,7 @@ def test_the_wound_is_dark_where_its_outline_says(scene_and_diagram, context):
     centre = project(scene, X_WM.multiply(scene.wound.outline.mean(axis=0)))[0][0]
     column, row = np.floor(centre).astype(int)
     assert colour[row, column].max() < 60
-    beside = back_point(scene.person, np.array([-0.3, 0.2]))
+    (beside,), _ = TrueSkin(scene.person).under(np.array([[-0.3, 0.2]]))
     column, row = np.floor(project(scene, X_WM.multiply(beside))[0][0]).astype(int)
     assert colour[row, column, 0] > 120  # skin: bright and red
 

@@ -5,12 +5,12 @@ import pytest
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 
+from bath_drake.control.approach import ApproachLimits, Phase
+from bath_drake.control.reference import next_reference
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
-from bath_drake.field.reference import next_reference
 from bath_drake.field.speed import canonical_velocity
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.safety.approach import ApproachLimits, Phase
 from bath_drake.systems.approach_sequencer import ApproachSequencer
 from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker

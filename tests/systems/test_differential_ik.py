@@ -8,9 +8,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import LogVectorOutput
 
+from bath_drake.control.pose_tracking import TrackingConfig
 from bath_drake.scene.arm import home_position, make_control_plant
 from bath_drake.scene.config import ArmConfig
-from bath_drake.scene.pose_tracking import TrackingConfig
 from bath_drake.systems.differential_ik import DifferentialIk
 
 STEP = 0.005

@@ -6,7 +6,7 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.geometry import FrameId
 from pydrake.math import RigidTransform
 
-from bath_drake.scene.motion import MotionConfig, person_pose
+from bath_drake.patient.motion import MotionConfig, person_pose
 from bath_drake.systems.patient_motion import PatientMotion
 
 FRAME = FrameId.get_new_id()

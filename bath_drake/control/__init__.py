@@ -1,0 +1,1 @@
+"""From a canonical velocity to a smooth nozzle motion: the arithmetic (pure)."""
