@@ -1,0 +1,178 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from bath_drake.control.pose_tracking import (
+    TrackingConfig,
+    is_pose,
+    limited,
+    next_feed_forward,
+    next_twist,
+    pose_difference,
+    rotation_vector,
+)
+
+DT = 0.005
+CONFIG = TrackingConfig()
+NUMBER = st.floats(-4.0, 4.0)
+VECTOR = st.tuples(NUMBER, NUMBER, NUMBER).map(np.array)
+TWIST = st.lists(NUMBER, min_size=6, max_size=6).map(np.array)
+
+
+class Follower:
+    """A pose that does what `next_twist` commands."""
+
+    def __init__(self, config=CONFIG):
+        self.config = config
+        self.R, self.p = np.eye(3), np.zeros(3)
+        self.twist, self.feed_forward = np.zeros(6), np.zeros(6)
+        self.last = None
+
+    def step(self, R, p):
+        last = (R, p) if self.last is None else self.last
+        self.feed_forward = next_feed_forward(
+            self.feed_forward, pose_difference(*last, R, p), self.config, DT
+        )
+        self.last = R, p
+        error = pose_difference(self.R, self.p, R, p)
+        self.twist = next_twist(self.twist, error, self.feed_forward, self.config, DT)
+        turn = Rotation.from_rotvec(DT * self.twist[:3]).as_matrix()
+        self.R, self.p = turn @ self.R, self.p + DT * self.twist[3:]
+        return pose_difference(self.R, self.p, R, p)
+
+
+@given(vector=VECTOR)
+def test_the_rotation_vector_is_scipys(vector):
+    R = Rotation.from_rotvec(vector).as_matrix()
+    turn = Rotation.from_matrix(R).magnitude()
+    again = Rotation.from_rotvec(rotation_vector(R))
+    # The rotation, for the sign of half a turn is free. Its sine is known to 1e-16,
+    # so close to half a turn the angle is known to the root of that.
+    near_half_a_turn = abs(turn - np.pi) < 1e-3
+    atol = 1e-6 if near_half_a_turn else 1e-9
+    np.testing.assert_allclose(again.as_matrix(), R, atol=atol)
+    assert np.linalg.norm(rotation_vector(R)) <= np.pi + 1e-9
+
+
+@pytest.mark.parametrize("axis", [[1, 0, 0], [0, -1, 0], [0.6, 0, 0.8], [-1, 1, 1]])
+def test_half_a_turn_has_its_axis_too(axis):
+    axis = np.array(axis, dtype=float) / np.linalg.norm(axis)
+    vector = rotation_vector(Rotation.from_rotvec(np.pi * axis).as_matrix())
+    # The sign is free; 1e-7 is the threshold between the branches.
+    assert abs(vector @ axis) == pytest.approx(np.pi, abs=1e-7)
+
+
+@given(a=VECTOR, b=VECTOR)
+def test_the_difference_leads_from_one_pose_to_the_other(a, b):
+    R_from = Rotation.from_rotvec(a).as_matrix()
+    R_to = Rotation.from_rotvec(b).as_matrix()
+    difference = pose_difference(R_from, a, R_to, b)
+    led = Rotation.from_rotvec(difference[:3]).as_matrix() @ R_from
+    np.testing.assert_allclose(led, R_to, atol=1e-6)  # see the half turn above
+    # 1e-14: one subtraction and one addition of numbers up to 4.
+    np.testing.assert_allclose(a + difference[3:], b, atol=1e-14)
+
+
+def test_only_rotations_with_finite_origins_are_poses():
+    R = Rotation.from_rotvec([0.3, -1.0, 2.0]).as_matrix()
+    assert is_pose(R, np.ones(3))
+    assert not is_pose(R, np.array([0.0, np.nan, 0.0]))
+    assert not is_pose(np.full((3, 3), np.nan), np.ones(3))
+    assert not is_pose(1.001 * R, np.ones(3))
+    assert not is_pose(np.diag([1.0, 1.0, -1.0]), np.ones(3))
+    assert not is_pose(np.zeros((3, 3)), np.ones(3))
+
+
+@given(twist=TWIST, angular=st.floats(0.01, 5.0), linear=st.floats(0.01, 5.0))
+def test_limits_bound_each_part_and_keep_its_direction(twist, angular, linear):
+    bounded = limited(twist, angular, linear)
+    for part, bound in ((slice(0, 3), angular), (slice(3, 6), linear)):
+        length = np.linalg.norm(bounded[part])
+        assert length <= bound * (1.0 + 1e-12)
+        # Parallel, and never turned round. 1e-12: rounding of numbers up to 50.
+        assert np.linalg.norm(np.cross(bounded[part], twist[part])) < 1e-12
+        assert bounded[part] @ twist[part] >= 0.0
+        if np.linalg.norm(twist[part]) <= bound:
+            np.testing.assert_array_equal(bounded[part], twist[part])
+
+
+@given(previous=TWIST, error=TWIST, feed_forward=TWIST)
+def test_no_command_breaks_a_limit_of_acceleration(previous, error, feed_forward):
+    twist = next_twist(previous, error, feed_forward, CONFIG, DT)
+    change = twist - previous
+    rounding = 1e-12
+    assert np.linalg.norm(change[:3]) <= CONFIG.angular_acceleration * DT + rounding
+    assert np.linalg.norm(change[3:]) <= CONFIG.acceleration * DT + rounding
+
+
+@given(error=TWIST)
+def test_from_within_the_speed_limits_nobody_leaves_them(error):
+    twist = np.zeros(6)
+    for _ in range(60):
+        twist = next_twist(twist, error, np.zeros(6), CONFIG, DT)
+        assert np.linalg.norm(twist[:3]) <= CONFIG.angular_speed + 1e-12
+        assert np.linalg.norm(twist[3:]) <= CONFIG.speed + 1e-12
+
+
+def test_a_pose_at_rest_is_reached_without_overshoot():
+    follower = Follower()
+    R = Rotation.from_rotvec([0.2, -0.1, 0.3]).as_matrix()
+    p = np.array([0.1, -0.05, 0.02])
+    distances = []
+    for _ in range(800):
+        error = follower.step(R, p)
+        distances.append(np.linalg.norm(error[3:]))
+        assert is_pose(follower.R, follower.p)
+    # 4 s at a gain of 20/s leave exp(-20 * 2.5 s) after the limited part: nothing.
+    np.testing.assert_allclose(error, np.zeros(6), atol=1e-6)
+    # The acceleration's limit lets it pass by what it brakes over, well below a mm.
+    nearest = int(np.argmin(distances))
+    assert max(distances[nearest:]) < 1e-3
+
+
+def test_a_small_error_falls_by_e_within_the_gains_time():
+    gain, error = 20.0, np.array([1e-4, 0, 0, 0, 1e-4, 0])
+    config = TrackingConfig(gain=gain)
+    follower = Follower(config)
+    R, p = Rotation.from_rotvec(error[:3]).as_matrix(), error[3:]
+    for _ in range(round(1.0 / gain / DT)):
+        left = follower.step(R, p)
+    # Euler's (1 - gain dt)^n with n = 1 / (gain dt) = 10 instead of exp(-1), the
+    # first step too: 0.349. 1e-6: rotations of 1e-4 rad add up to that relatively.
+    expected = (1.0 - gain * DT) ** (1.0 / (gain * DT))
+    assert np.linalg.norm(left[3:]) / 1e-4 == pytest.approx(expected, rel=1e-6)
+    assert np.linalg.norm(left[:3]) / 1e-4 == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_pose_that_moves_steadily_is_followed_without_a_lag():
+    follower, velocity = Follower(), np.array([0.05, 0.0, 0.03])
+    for k in range(1000):
+        error = follower.step(np.eye(3), k * DT * velocity)
+    # What is left is the one step that the follower is behind, at no more speed
+    # than 0.06 m/s: 0.3 mm; without feed-forward it would be 0.06 / 20 = 3 mm.
+    assert np.linalg.norm(error) < 0.06 * DT
+
+
+def test_a_jump_is_no_velocity():
+    jump = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    kick = next_feed_forward(np.zeros(6), jump, CONFIG, DT)
+    share = DT / (CONFIG.feed_forward_time + DT)
+    assert np.linalg.norm(kick) == pytest.approx(share * CONFIG.speed)
+
+
+def test_the_feed_forward_takes_its_time_constant_to_come_in():
+    steady = np.array([0.1, 0, 0, 0.02, 0, 0])
+    value = np.zeros(6)
+    for _ in range(round(CONFIG.feed_forward_time / DT)):
+        value = next_feed_forward(value, DT * steady, CONFIG, DT)
+    # Backward Euler with 16 steps a time constant: 1 - (1 + 1/16)^-16 = 0.621.
+    np.testing.assert_allclose(value, (1.0 - (17 / 16) ** -16) * steady, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", vars(CONFIG))
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_gains_and_limits_must_be_positive(name, value):
+    with pytest.raises(ValueError, match=f"{name} must be positive"):
+        TrackingConfig(**{name: value})
