@@ -48,6 +48,7 @@ from bath_drake.systems.nozzle_kinematics import NozzleKinematics
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 from bath_drake.systems.surface_reference import SurfaceReference
 from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
+from bath_drake.systems.world_reconciler import WorldReconciler
 
 # What a run logs. `body_pose` is the truth: into the log, nowhere else.
 LOGGED_PORTS = (
@@ -232,6 +233,9 @@ def _add_control(
         builder,
         {
             "virtual_obstacle_source": VirtualObstacleSource(field=skill.field),
+            "world_reconciler": WorldReconciler(
+                period=1.0 / scenario.perception.camera_rate
+            ),
             "navigation_controller": NavigationController(
                 washing_speed=control.washing_speed, slow_radius=control.slow_radius
             ),
@@ -251,6 +255,7 @@ def _add_control(
             "loop_monitor": LoopMonitor(bounds=loop_bounds(scenario)),
         },
     )
+    world = systems["world_reconciler"]
     controller = systems["navigation_controller"]
     reference = systems["canonical_reference"]
     approach = systems["approach_sequencer"]
@@ -261,9 +266,10 @@ def _add_control(
     supervisor = systems["hold_supervisor"]
     monitor = systems["loop_monitor"]
     for source, port, sinks in (
-        (systems["virtual_obstacle_source"], "navigation_field", [controller, monitor]),
+        (systems["virtual_obstacle_source"], "navigation_field", [world, monitor]),
+        (world, "world_status", [supervisor]),
         (controller, "canonical_velocity", [reference]),
-        (reference, "canonical_reference", [surface]),
+        (reference, "canonical_reference", [surface, world]),
         (tracker, "canonical_position", [reference, monitor]),
         (approach, "phase", [reference, monitor]),
         (approach, "standoff", [surface, tracker]),
@@ -275,6 +281,11 @@ def _add_control(
         (supervisor, "hold", [ik, reference, approach]),
     ):
         _connect(builder, source, port, sinks)
+    for port, name in (
+        ("reconciled_field", "navigation_field"),
+        ("reconciled_obstacles", "sensed_obstacles"),
+    ):
+        builder.Connect(world.GetOutputPort(port), controller.GetInputPort(name))
     # The flow is asked where the reference is; see bath_drake.control.reference.
     builder.Connect(
         reference.GetOutputPort("canonical_reference"),
@@ -307,7 +318,7 @@ def _close_loop(
         builder,
         perception["restricted_area_detector"],
         "sensed_obstacles",
-        [control["navigation_controller"]],
+        [control["world_reconciler"]],
     )
     builder.Connect(
         control["differential_ik"].GetOutputPort("joint_command"),

@@ -10,6 +10,7 @@ from pydrake.systems.analysis import Simulator, SimulatorStatus
 from pydrake.systems.framework import Context, Diagram
 
 from bath_drake.diagrams import LOGGED_PORTS, log_name
+from bath_drake.field.parameters import pack_field
 from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.safety.hold import HoldReason
@@ -23,6 +24,7 @@ Progress = Callable[[float, float], None]
 
 _CHUNK_S = 0.1
 _KEYFRAME_PERIOD_S = 1.0
+_MOST_OBSTACLES = 64
 
 
 def run(
@@ -73,6 +75,10 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
     observation = _output(diagram, context, "body_segmenter", "body_observation")
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
+    virtual = _output(diagram, context, "world_reconciler", "reconciled_field")
+    world = virtual.with_obstacles(
+        _output(diagram, context, "world_reconciler", "reconciled_obstacles")
+    )
     colour = _output(diagram, context, "camera", "color_image").data
     depth = _output(diagram, context, "camera", "depth_image_32f").data
     completed = float(np.sum(observation.completed_areas))
@@ -85,6 +91,7 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
         "robot": observation.robot_mask,
         "map": _map_row(canonical_map),
         "areas": areas.theta,
+        "world": pack_field(world, _MOST_OBSTACLES),
         "reach": (observation.visible_fraction, hidden),
     }
 
@@ -144,6 +151,7 @@ def _collect(
         keyframe_robot=stacked("robot"),
         keyframe_map=stacked("map"),
         keyframe_areas=_numbered_rows(keyframes),
+        keyframe_world=stacked("world"),
         keyframe_reach=stacked("reach"),
         intrinsics=np.array(
             [getattr(camera, k) for k in ("width", "height", "fx", "fy", "cx", "cy")],

@@ -41,6 +41,8 @@ class SimulationLog:
         keyframe_robot: (K, H, W) the robot's own pixels.
         keyframe_map: (K, 14) the canonical map: R_WP row by row, p_WP, half extents.
         keyframe_areas: (n, 6) index of the key frame, then the ellipse in N.
+        keyframe_world: (K, n) the field that was driven in, sensed areas included,
+            packed (`bath_drake.field.parameters`).
         keyframe_reach: (K, 2) visible fraction of the back, share of it that the
             robot hides.
         intrinsics: (6,) of the camera: width, height, fx, fy, cx, cy.
@@ -68,6 +70,7 @@ class SimulationLog:
     keyframe_robot: BoolArray
     keyframe_map: FloatArray
     keyframe_areas: FloatArray
+    keyframe_world: FloatArray
     keyframe_reach: FloatArray
     intrinsics: FloatArray
     X_WC: FloatArray

@@ -12,8 +12,8 @@ from pydrake.math import RigidTransform
 from bath_drake import __version__
 from bath_drake.control.approach import Phase
 from bath_drake.field.critical_points import check_field
-from bath_drake.field.navigation import min_beta
-from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.navigation import NavigationField, min_beta
+from bath_drake.field.parameters import unpack_field
 from bath_drake.field.rollout import rollout
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
@@ -112,7 +112,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "washed_off_the_body": int(np.count_nonzero(~met)),
         "restricted_entries": _entries(clearance),
         "restricted_min_clearance_mm": _least(clearance),
-        "min_beta": _min_beta(log, skill, washing),
+        "min_beta": _min_beta(log, washing),
         "coverage": None,
         "frames": int(log.frames),
         "dropped_frames": 0,
@@ -181,30 +181,27 @@ def _frechet(
     }
 
 
-def _sensed(log: SimulationLog) -> ObstacleSet:
-    """The restricted areas of the last key frame."""
-    if not len(log.keyframe_areas):
-        return ObstacleSet()
-    last = log.keyframe_areas[:, 0] == len(log.keyframe_time) - 1
-    return ObstacleSet(log.keyframe_areas[last, 1:])
+def driven_world(log: SimulationLog) -> NavigationField:
+    """Returns the field the run ended in, its sensed areas included."""
+    return unpack_field(log.keyframe_world[-1])
 
 
 def _certificate(log: SimulationLog, skill: Skill) -> dict[str, Any]:
     """The verdict on the world that was driven in: sensed areas make another one."""
-    sensed = _sensed(log)
-    check = check_field(skill.field.with_obstacles(sensed), skill.start)
+    areas = np.count_nonzero(log.keyframe_areas[:, 0] == len(log.keyframe_time) - 1)
+    check = check_field(driven_world(log), skill.start)
     return {
         "verdict": check.verdict,
         "reason": check.reason,
-        "world": "skill and sensed areas" if len(sensed) else "skill",
-        "sensed_areas": len(sensed),
+        "world": "skill and sensed areas" if areas else "skill",
+        "sensed_areas": int(areas),
     }
 
 
-def _min_beta(log: SimulationLog, skill: Skill, washing: IntArray) -> float | None:
+def _min_beta(log: SimulationLog, washing: IntArray) -> float | None:
     if not len(washing):
         return None
-    field = skill.field.with_obstacles(_sensed(log))
+    field = driven_world(log)
     return float(np.min(min_beta(log.canonical_position[washing], field)))
 
 

@@ -17,6 +17,7 @@ class HoldReason(IntEnum):
     BODY_LOST = 3
     SURFACE_UNSEEN = 4
     NO_JOINT_SOLUTION = 5
+    UNSOUND_WORLD = 6
 
 
 # Two camera periods of 33 ms pass by themselves; the third is one too many.
@@ -30,6 +31,7 @@ def hold_reason(
     body_found: bool,
     surface_found: bool,
     joint_solution: bool,
+    world_sound: bool,
     max_frame_age: float = MAX_FRAME_AGE,
 ) -> HoldReason:
     """Decides whether to hold, and why: the first reason that applies.
@@ -40,6 +42,7 @@ def hold_reason(
         body_found: Whether enough of the body is visible.
         surface_found: Whether the skin under the nozzle is.
         joint_solution: Whether inverse kinematics found a motion.
+        world_sound: Whether the field with all sensed areas passed its check.
         max_frame_age: Age above which a frame is stale, s.
     """
     # Time stamps in steps of a camera period accumulate rounding.
@@ -52,6 +55,8 @@ def hold_reason(
         return HoldReason.BODY_LOST
     if not surface_found:
         return HoldReason.SURFACE_UNSEEN
+    if not world_sound:
+        return HoldReason.UNSOUND_WORLD
     if not joint_solution:
         return HoldReason.NO_JOINT_SOLUTION
     return HoldReason.NONE

@@ -10,7 +10,7 @@ from bath_drake.systems._ports import drake_vector, eval_scalar, eval_value
 
 
 class HoldSupervisor(LeafSystem):
-    """Holds on a missing or stale frame, a lost body or an unseen surface.
+    """Holds on a missing or stale frame, a lost body, an unsound world and the like.
 
     .. pydrake_system::
 
@@ -19,6 +19,7 @@ class HoldSupervisor(LeafSystem):
         - body_observation
         - surface_status
         - ik_status
+        - world_status
         output_ports:
         - hold
         - hold_reason
@@ -42,7 +43,8 @@ class HoldSupervisor(LeafSystem):
         )
         self._surface = self.DeclareVectorInputPort("surface_status", 1)
         self._ik = self.DeclareVectorInputPort("ik_status", 1)
-        inputs = (self._observation, self._surface, self._ik)
+        self._world = self.DeclareVectorInputPort("world_status", 1)
+        inputs = (self._observation, self._surface, self._ik, self._world)
         tickets = {self.input_port_ticket(port.get_index()) for port in inputs}
         tickets.add(self.time_ticket())
         self.DeclareVectorOutputPort("hold", 1, self._calc_hold, tickets)
@@ -63,6 +65,7 @@ class HoldSupervisor(LeafSystem):
             body_found=observation.found,
             surface_found=eval_scalar(self._surface, context) > 0.5,
             joint_solution=eval_scalar(self._ik, context) < 0.5,
+            world_sound=eval_scalar(self._world, context) > 0.5,
             max_frame_age=self._max_frame_age,
         )
 

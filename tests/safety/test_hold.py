@@ -12,6 +12,7 @@ WELL = {
     "body_found": True,
     "surface_found": True,
     "joint_solution": True,
+    "world_sound": True,
 }
 
 
@@ -29,6 +30,7 @@ def test_nothing_holds_a_robot_that_sees_well():
         ({"body_found": False}, HoldReason.BODY_LOST),
         ({"surface_found": False}, HoldReason.SURFACE_UNSEEN),
         ({"joint_solution": False}, HoldReason.NO_JOINT_SOLUTION),
+        ({"world_sound": False}, HoldReason.UNSOUND_WORLD),
     ],
 )
 def test_each_lack_holds_for_its_own_reason(change, reason):
@@ -41,18 +43,23 @@ def test_each_lack_holds_for_its_own_reason(change, reason):
     body=st.booleans(),
     surface=st.booleans(),
     joints=st.booleans(),
+    world=st.booleans(),
 )
-def test_it_moves_only_if_all_is_well_and_fresh(stamp, now, body, surface, joints):
+def test_it_moves_only_if_all_is_well_and_fresh(
+    stamp, now, body, surface, joints, world
+):
     reason = hold_reason(
         stamp=stamp,
         now=now,
         body_found=body,
         surface_found=surface,
         joint_solution=joints,
+        world_sound=world,
     )
     if reason is HoldReason.NONE:
         assert body
         assert surface
         assert joints
+        assert world
         # 1e-9 s: the rounding the decision itself allows.
         assert -1e-9 <= now - stamp <= MAX_FRAME_AGE + 1e-9

@@ -23,6 +23,7 @@ def context(dut):
     dut.GetInputPort("body_observation").FixValue(context, SEEN)
     dut.GetInputPort("surface_status").FixValue(context, [1.0])
     dut.GetInputPort("ik_status").FixValue(context, [0.0])
+    dut.GetInputPort("world_status").FixValue(context, [1.0])
     return context
 
 
@@ -42,6 +43,7 @@ def test_the_robot_moves_while_all_is_well(dut, context):
         ),
         ("surface_status", [0.0], HoldReason.SURFACE_UNSEEN),
         ("ik_status", [1.0], HoldReason.NO_JOINT_SOLUTION),
+        ("world_status", [0.0], HoldReason.UNSOUND_WORLD),
     ],
 )
 def test_it_holds_with_the_reason(dut, context, port, value, reason):

@@ -1,0 +1,158 @@
+"""Joins what the camera saw with what was learned into one sound world.
+
+A restricted area that overlaps a virtual obstacle makes one notched hole of both,
+and a notch can trap. The area is real and stays; the virtual obstacles are ours, so
+they give way. Among the worlds tried, the sound one whose motion leaves least of the
+learned one aside is taken (paper, Sec. IV: sensed obstacles join the field).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.field.critical_points import FieldCheck, check_field
+from bath_drake.field.navigation import NavigationField
+from bath_drake.field.obstacles import ObstacleSet, beta, pair_gaps, support
+from bath_drake.field.rollout import RolloutStatus, rollout
+from bath_drake.notation import FloatArray
+
+# Between an area and a virtual obstacle, in N.
+GAP = 0.05
+# Once the learned path is on average this near to the motion, in N, none is sought.
+NEAR_ENOUGH = 0.05
+_SHRINK, _SMALLEST = 0.85, 0.15
+# The smaller an area's exponent, the nearer to it the flow first feels it.
+_EXPONENTS = (1.0, 0.3, 0.1)
+_KAPPA_FACTORS = (1.0, 2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Virtual and sensed obstacles that stand together.
+
+    Attributes:
+        virtual: The learned field with its obstacles as they could be kept.
+        sensed: The restricted areas, with the exponents they were given.
+        check: What was found of the field of both.
+        changed: What was done to the virtual obstacles, in words.
+    """
+
+    virtual: NavigationField
+    sensed: ObstacleSet
+    check: FieldCheck
+    changed: str
+
+    @property
+    def field(self) -> NavigationField:
+        """The field of both."""
+        return self.virtual.with_obstacles(self.sensed)
+
+
+def join_areas(field: NavigationField, areas: ObstacleSet, start: FloatArray) -> World:
+    """Finds a sound world of a learned field and restricted areas.
+
+    Args:
+        field: The learned field.
+        areas: Restricted areas in N, never made smaller.
+        start: (2,) where the motion is now, in N.
+
+    Returns:
+        A world whose check passed and whose motion from `start` arrives, if one was
+        found; otherwise the plain union with a check that says why not.
+    """
+    if not len(areas):
+        return World(field, areas, check_field(field, start), "nothing")
+    learned = rollout(start, field).path
+    best: World | None = None
+    nearest = np.inf
+    for world in _worlds(field, areas, start):
+        if not world.check.passed:
+            continue
+        path = rollout(start, world.field)
+        if path.status is not RolloutStatus.ARRIVED:
+            continue
+        distance = left_aside(learned, path.path, areas)
+        if distance < nearest:
+            best, nearest = world, distance
+        if distance < NEAR_ENOUGH:
+            break
+    if best is None:
+        union = check_field(field.with_obstacles(areas), start)
+        return World(field, areas, union, "nothing: no sound world was found")
+    return best
+
+
+def left_aside(learned: FloatArray, path: FloatArray, areas: ObstacleSet) -> float:
+    """Mean distance from the learned path, where it is free, to another path, in N.
+
+    A way round must leave the learned one; what counts is that the motion comes back
+    to it and does not cut the rest of the stroke short.
+    """
+    free = (beta(learned, areas) > 0.0).all(axis=-1)
+    if not free.any():
+        return 0.0
+    offsets = learned[free][:, None, :] - path[None, :, :]
+    return float(np.sqrt((offsets**2).sum(axis=2)).min(axis=1).mean())
+
+
+def _worlds(
+    field: NavigationField, areas: ObstacleSet, start: FloatArray
+) -> Iterator[World]:
+    shapes = {
+        "kept": field.obstacles,
+        "shrunk": make_room(field.obstacles, areas),
+        "dropped": ObstacleSet(),
+    }
+    for factor in _KAPPA_FACTORS:
+        for exponent in _EXPONENTS:
+            sensed = ObstacleSet(areas.theta, np.full(len(areas), exponent))
+            for name, obstacles in shapes.items():
+                virtual = NavigationField(
+                    field.workspace, field.goal, factor * field.kappa, obstacles
+                )
+                check = check_field(virtual.with_obstacles(sensed), start)
+                changed = f"{name}, kappa x {factor:g}, areas' exponent {exponent:g}"
+                yield World(virtual, sensed, check, changed)
+
+
+def make_room(
+    virtual: ObstacleSet, areas: ObstacleSet, gap: float = GAP
+) -> ObstacleSet:
+    """Shrinks virtual obstacles until each keeps `gap` to every area.
+
+    One that would have to shrink to less than a seventh is dropped.
+    """
+    rows, exponents = [], []
+    for row, exponent in zip(virtual.theta, virtual.powers, strict=True):
+        scale = 1.0
+        while scale > _SMALLEST:
+            shrunk = row.copy()
+            shrunk[2:4] *= scale
+            pair = ObstacleSet(np.vstack([shrunk, areas.theta]))
+            if pair_gaps(pair)[0, 1:].min() >= gap:
+                rows.append(shrunk)
+                exponents.append(exponent)
+                break
+            scale *= _SHRINK
+    return ObstacleSet(np.array(rows).reshape(-1, 5), np.array(exponents))
+
+
+def inflated(areas: ObstacleSet, slack: float) -> ObstacleSet:
+    """Returns areas with `slack` added to both semi-axes, in N."""
+    theta = areas.theta.copy()
+    theta[:, 2:4] += slack
+    return ObstacleSet(theta, areas.powers)
+
+
+def contain(outer: ObstacleSet, inner: ObstacleSet, directions: int = 90) -> bool:
+    """Whether each ellipse lies within the outer one of the same index."""
+    if len(outer) != len(inner):
+        return False
+    turns = np.linspace(0.0, 2.0 * np.pi, directions, endpoint=False)
+    n = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+
+    def reach(areas: ObstacleSet) -> FloatArray:
+        return np.asarray(n @ areas.theta[:, :2].T + support(areas, n))
+
+    return bool((reach(inner) <= reach(outer)).all())
