@@ -8,6 +8,7 @@ keeps its place relative to the body, whatever the body's size and pose.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
@@ -28,6 +29,9 @@ LEVEL = 0.01
 MIDLINE_TRIM = 0.03
 MIDLINE_SPAN = 0.1
 MIDLINE_ROUNDS = 2
+
+# Quantiles are looked for in a histogram of this many bins first.
+BINS = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,9 +163,7 @@ def fit_canonical_map(
     p_P = (points_W - mean) @ R_WP
     if weights is None:
         weights = np.ones(len(p_P))
-    low, high = np.array(
-        [_weighted_quantiles(p_P[:, k], weights, (trim, 1.0 - trim)) for k in (0, 1)]
-    ).T
+    low, high = np.array([_trimmed_range(p_P[:, k], weights, trim) for k in (0, 1)]).T
     centre = np.append((low + high) / 2.0, 0.0)
     return CanonicalMap(R_WP, mean + R_WP @ centre, (high - low) / 2.0)
 
@@ -221,11 +223,18 @@ def edges_by_level(
         are +inf and -inf.
     """
     level = ((along - along.min()) / LEVEL).astype(np.int64)
+    left, right = _edges(level, across)
+    return level, left, right
+
+
+@njit(cache=True)
+def _edges(level: IntArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
     left = np.full(level.max() + 1, np.inf)
     right = np.full(level.max() + 1, -np.inf)
-    np.minimum.at(left, level, across)
-    np.maximum.at(right, level, across)
-    return level, left, right
+    for i in range(len(level)):
+        left[level[i]] = min(left[level[i]], across[i])
+        right[level[i]] = max(right[level[i]], across[i])
+    return left, right
 
 
 def _midline_slope(along: FloatArray, across: FloatArray) -> float:
@@ -233,15 +242,26 @@ def _midline_slope(along: FloatArray, across: FloatArray) -> float:
     low, high = np.quantile(along, (MIDLINE_TRIM, 1.0 - MIDLINE_TRIM))
     inner = (along >= low) & (along <= high)
     _, left, right = edges_by_level(along[inner], across[inner])
-    levels = np.flatnonzero(right > left)
-    middles = (left[levels] + right[levels]) / 2.0
-    first, second = np.triu_indices(len(levels), 1)
-    apart = (levels[second] - levels[first]) * LEVEL
-    far = apart >= MIDLINE_SPAN
-    if not far.any():  # too short a region to have a midline
+    slopes = _slopes(left, right)
+    if len(slopes) == 0:  # too short a region to have a midline
         return 0.0
-    slopes = (middles[second] - middles[first])[far] / apart[far]
     return float(np.arctan(np.median(slopes)))
+
+
+@njit(cache=True)
+def _slopes(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Returns the slope of the midline between all levels that are far apart."""
+    count = len(left)
+    slopes = np.empty(count * count)
+    found = 0
+    for i in range(count):
+        for j in range(i + 1, count):
+            apart = (j - i) * LEVEL
+            if apart >= MIDLINE_SPAN and right[i] > left[i] and right[j] > left[j]:
+                rise = (left[j] + right[j]) / 2.0 - (left[i] + right[i]) / 2.0
+                slopes[found] = rise / apart
+                found += 1
+    return slopes[:found].copy()
 
 
 def _up_axis(
@@ -264,11 +284,34 @@ def _up_axis(
     return np.asarray(np.cos(angle) * up - np.sin(angle) * right)
 
 
-def _weighted_quantiles(
-    values: FloatArray, weights: FloatArray, shares: tuple[float, float]
-) -> FloatArray:
-    order = np.argsort(values)
+def _trimmed_range(
+    values: FloatArray, weights: FloatArray, trim: float
+) -> tuple[float, float]:
+    """Returns the weighted quantiles of `trim` and one minus it."""
     weights = weights / np.sum(weights)
+    return _low_quantile(values, weights, trim), -_low_quantile(-values, weights, trim)
+
+
+def _low_quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
+    """Returns the weighted quantile; only the values up to it are put in order.
+
+    Args:
+        values: (n,).
+        weights: (n,), of sum one.
+        share: The quantile asked for.
+    """
+    lowest, highest = values.min(), values.max()
+    if not highest > lowest:
+        return float(lowest)
+    bins = ((values - lowest) * (BINS / (highest - lowest))).astype(np.int64)
+    np.minimum(bins, BINS - 1, out=bins)
+    cumulated = np.cumsum(np.bincount(bins, weights, minlength=BINS))
+    # The values on either side of the quantile are in this bin, the ones before it
+    # or the next that is not empty.
+    last = int(np.searchsorted(cumulated, share, side="right"))
+    last = int(np.searchsorted(cumulated, cumulated[min(last, BINS - 1)], "right"))
+    tail = np.flatnonzero(bins <= last)
+    order = tail[np.argsort(values[tail])]
     # Each point's weight is centred on it, so equal weights give the usual ones.
-    cumulated = np.cumsum(weights[order]) - 0.5 * weights[order]
-    return np.interp(shares, cumulated, values[order])
+    centred = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return float(np.interp(share, centred, values[order]))

@@ -89,6 +89,23 @@ def behind_jump(points: FloatArray, mask: BoolArray, limit: float) -> BoolArray:
 
 
 @njit(cache=True)
+def column_steps(points: FloatArray, mask: BoolArray) -> FloatArray:
+    """Returns the distances (n,), m, of horizontal neighbours both in the mask."""
+    rows, columns, _ = points.shape
+    steps = np.empty(rows * columns)
+    count = 0
+    for v in range(rows):
+        for u in range(columns - 1):
+            if mask[v, u] and mask[v, u + 1]:
+                d2 = 0.0
+                for k in range(3):
+                    d2 += (points[v, u + 1, k] - points[v, u, k]) ** 2
+                steps[count] = np.sqrt(d2)
+                count += 1
+    return steps[:count].copy()
+
+
+@njit(cache=True)
 def pixel_normals(points: FloatArray, mask: BoolArray, reach: int) -> FloatArray:
     """Returns rough normals of an organised point image.
 
@@ -118,11 +135,23 @@ def pixel_normals(points: FloatArray, mask: BoolArray, reach: int) -> FloatArray
                     c -= 1
                 if d < rows - 1 and mask[d + 1, u]:
                     d += 1
-            n = np.cross(points[d, u] - points[c, u], points[v, b] - points[v, a])
-            length = np.sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
+            n0, n1, n2 = _cross(points[c, u], points[d, u], points[v, a], points[v, b])
+            length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
             if length > 0.0:
-                normals[v, u] = n / length
+                normals[v, u, 0] = n0 / length
+                normals[v, u, 1] = n1 / length
+                normals[v, u, 2] = n2 / length
     return normals
+
+
+@njit(cache=True, inline="always")
+def _cross(
+    a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray
+) -> tuple[float, float, float]:
+    """Returns (b - a) x (d - c); no arrays are made, unlike numpy's cross."""
+    x0, x1, x2 = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    y0, y1, y2 = d[0] - c[0], d[1] - c[1], d[2] - c[2]
+    return x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
 
 
 @njit(cache=True)
@@ -158,15 +187,15 @@ def pixel_areas(
             b = u + 1 if u < columns - 1 and mask[v, u + 1] else u
             c = v - 1 if v > 0 and mask[v - 1, u] else v
             d = v + 1 if v < rows - 1 and mask[v + 1, u] else v
-            x = points[v, b] - points[v, a]
-            y = points[d, u] - points[c, u]
-            n = np.cross(x, y)
-            length = np.sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
-            ray = points[v, u] - eye
-            r = np.sqrt(ray[0] ** 2 + ray[1] ** 2 + ray[2] ** 2)
+            n0, n1, n2 = _cross(points[v, a], points[v, b], points[c, u], points[d, u])
+            length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+            ray0 = points[v, u, 0] - eye[0]
+            ray1 = points[v, u, 1] - eye[1]
+            ray2 = points[v, u, 2] - eye[2]
+            r = np.sqrt(ray0 * ray0 + ray1 * ray1 + ray2 * ray2)
             cosine = 1.0
             if length > 0.0:
-                dot = n[0] * ray[0] + n[1] * ray[1] + n[2] * ray[2]
+                dot = n0 * ray0 + n1 * ray1 + n2 * ray2
                 cosine = max(abs(dot) / (length * r), MIN_COSINE)
             areas[v, u] = depth[v, u] ** 3 / (r * focal2 * cosine)
     return areas

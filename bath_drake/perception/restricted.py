@@ -23,6 +23,9 @@ EDGE_SHARE = 0.2
 # pixels this many times.
 ROUNDS = 3
 
+# A fit below a tenth of a byte's range is taken for that.
+LEAST_BRIGHTNESS = 25.0
+
 # Narrower than twice this, in pixels, is the rim of the mask, not an area.
 RIM = 1.0
 
@@ -92,19 +95,48 @@ def relative_brightness(observation: BodyObservation) -> FloatArray:
     columns, rows = observation.pixels.T
     if len(value) < MIN_POINTS:
         return np.ones(len(value))
-    x = (columns - columns.mean()) / 100.0
-    y = (rows - rows.mean()) / 100.0
-    basis = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+    # Of order one, so that the normal equations are well conditioned.
+    x = np.asarray((columns - columns.mean()) / 100.0, dtype=np.float64)
+    y = np.asarray((rows - rows.mean()) / 100.0, dtype=np.float64)
     skin = value > DARK_SHARE * np.median(value)
-    around = value
     for _ in range(ROUNDS):
-        fit = np.linalg.lstsq(basis[skin], value[skin], rcond=None)[0]
-        # Never below a tenth of a byte's range: the ratio is of no use there.
-        around = np.maximum(basis @ fit, 25.0)
+        moments, sums = _normal_equations(x, y, value, skin)
+        fit = np.asarray(np.linalg.lstsq(moments, sums, rcond=None)[0])
+        # Below that the ratio is of no use.
+        around = np.maximum(_quadratic(x, y, fit), LEAST_BRIGHTNESS)
         skin = value > DARK_SHARE * around
         if skin.sum() < MIN_POINTS:
             return np.ones(len(value))
     return np.asarray(value / around)
+
+
+@njit(cache=True)
+def _normal_equations(
+    x: FloatArray, y: FloatArray, value: FloatArray, used: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Returns the (6, 6) and (6,) of the least-squares fit of a quadratic."""
+    moments = np.zeros((6, 6))
+    sums = np.zeros(6)
+    row = np.empty(6)
+    for i in range(len(x)):
+        if not used[i]:
+            continue
+        row[0], row[1], row[2] = 1.0, x[i], y[i]
+        row[3], row[4], row[5] = x[i] * x[i], x[i] * y[i], y[i] * y[i]
+        for j in range(6):
+            sums[j] += row[j] * value[i]
+            for k in range(j + 1):
+                moments[j, k] += row[j] * row[k]
+    for j in range(6):
+        for k in range(j):
+            moments[k, j] = moments[j, k]
+    return moments, sums
+
+
+@njit(cache=True)
+def _quadratic(x: FloatArray, y: FloatArray, fit: FloatArray) -> FloatArray:
+    linear = fit[0] + fit[1] * x + fit[2] * y
+    return np.asarray(linear + fit[3] * x * x + fit[4] * x * y + fit[5] * y * y)
 
 
 def _edge_share(area: BoolArray, observation: BodyObservation) -> float:

@@ -13,7 +13,12 @@ from bath_drake.perception.canonical import (
     principal_frame,
 )
 from bath_drake.perception.completion import BackTemplate, Expectation
-from bath_drake.perception.pixels import behind_jump, inside_box, pixel_normals
+from bath_drake.perception.pixels import (
+    behind_jump,
+    column_steps,
+    inside_box,
+    pixel_normals,
+)
 
 UP_W = np.array([0.0, 0.0, 1.0])
 UP_W.setflags(write=False)
@@ -71,6 +76,18 @@ class BodyObservation:
     found: bool = False
     R_WC: FloatArray = field(default_factory=lambda: np.eye(3))
     p_WC: FloatArray = field(default_factory=lambda: _empty(3))
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only: whoever holds an observation shares it."""
+        for name, value in list(vars(self).items()):
+            if isinstance(value, np.ndarray):
+                shared = value.view()
+                shared.setflags(write=False)
+                object.__setattr__(self, name, shared)
+
+    def __deepcopy__(self, memo: object) -> "BodyObservation":
+        """Returns itself, for it never changes: a copy has some two megabytes."""
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -163,11 +180,8 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
 
 def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:
     """Returns the metres between neighbouring columns of a mask, the median."""
-    pair = mask[:, 1:] & mask[:, :-1]
-    if not pair.any():
-        return float("nan")
-    steps = points[:, 1:][pair] - points[:, :-1][pair]
-    return float(np.median(np.sqrt((steps * steps).sum(axis=1))))
+    steps = column_steps(points, mask)
+    return float(np.median(steps)) if len(steps) > 0 else float("nan")
 
 
 def segment_back(

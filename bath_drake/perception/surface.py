@@ -121,70 +121,147 @@ def _gather(
     return near[:count].copy()
 
 
+@njit(cache=True)
 def _one_sided(near: FloatArray) -> bool:
-    turn = np.arctan2(near[:, 1], near[:, 0]) / (2.0 * np.pi) % 1.0
-    counts = np.bincount((turn * SECTORS).astype(np.int64) % SECTORS, minlength=SECTORS)
-    empty = counts < SECTOR_SHARE * len(near)
+    counts = np.zeros(SECTORS)
+    for i in range(len(near)):
+        turn = np.arctan2(near[i, 1], near[i, 0]) / (2.0 * np.pi) % 1.0
+        counts[int(turn * SECTORS) % SECTORS] += 1.0
     run = longest = 0
-    for is_empty in np.tile(empty, 2):  # twice around: runs may wrap
-        run = run + 1 if is_empty else 0
+    for k in range(2 * SECTORS):  # twice around: runs may wrap
+        empty = counts[k % SECTORS] < SECTOR_SHARE * len(near)
+        run = run + 1 if empty else 0
         longest = max(longest, run)
     return longest >= SECTORS // 2
-
-
-def _least_squares(basis: FloatArray, values: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.solve(basis.T @ basis, basis.T @ values))
 
 
 def _fit(
     near: FloatArray, R_WP: FloatArray, p_WQ: FloatArray, radius: float
 ) -> SurfacePatch:
     # A plane first: in its axes the skin is level, however steep a flank is in P's.
-    a, b, c = _least_squares(
-        np.column_stack([near[:, :2], np.ones(len(near))]), near[:, 2]
-    )
+    a, b, c = np.linalg.solve(*_plane_equations(near))
     R_PT = _tangent_axes(a, b)
-    p_PT = np.array([0.0, 0.0, c])
-    local = (near - p_PT) @ R_PT / radius  # of order one: well conditioned
-    s, t, h = local.T
-    basis = np.column_stack([s * s / 2.0, s * t, t * t / 2.0, s, t, np.ones_like(s)])
-    k = _least_squares(basis, h)
-    rms = float(np.sqrt(np.mean((basis @ k - h) ** 2))) * radius
-    # Where the line along P's normal meets the quadric.
-    direction = R_PT[2]
-    height = 0.0
-    for _ in range(STEPS):
-        s, t, h = height * direction
-        gradient = np.array([k[0] * s + k[1] * t + k[3], k[1] * s + k[2] * t + k[4]])
-        quadric = (k[0] * s + 2.0 * k[1] * t) * s / 2.0 + k[2] * t * t / 2.0
-        quadric += k[3] * s + k[4] * t + k[5]
-        slope = direction[2] - gradient @ direction[:2]
-        height -= (h - quadric) / slope
-    s, t, h = height * direction
-    gradient = np.array([k[0] * s + k[1] * t + k[3], k[1] * s + k[2] * t + k[4]])
-    normal = np.append(-gradient, 1.0)
-    length = np.linalg.norm(normal)
-    # Shape operator of a height field: inverse first form times second form.
-    second = -np.array([[k[0], k[1]], [k[1], k[2]]]) / (radius * length)
-    first = np.eye(2) + np.outer(gradient, gradient)
-    curvatures = np.sort(np.linalg.eigvals(np.linalg.solve(first, second)).real)[::-1]
-    p_PS = p_PT + R_PT @ (height * direction * radius)
+    moments, sums, squares = _quadric_equations(near, R_PT, c, radius)
+    k = np.asarray(np.linalg.solve(moments, sums))
+    # Of a least-squares fit |b - A k|^2 = |b|^2 - k . A' b, up to rounding.
+    residual = max(float(squares - k @ sums), 0.0) / len(near)
+    p_TS, normal_T, curvatures = _meet(k, R_PT[2].copy())
+    p_PS = R_PT @ (p_TS * radius)
+    p_PS[2] += c
     return SurfacePatch(
         p_WS=p_WQ + R_WP @ p_PS,
-        normal_W=R_WP @ R_PT @ (normal / length),
-        curvatures=curvatures,
+        normal_W=R_WP @ R_PT @ normal_T,
+        curvatures=curvatures / radius,
         count=len(near),
-        rms=rms,
+        rms=radius * float(np.sqrt(residual)),
         radius=radius,
         valid=True,
     )
+
+
+@njit(cache=True)
+def _plane_equations(near: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Returns the normal equations (3, 3), (3,) of the plane z = a x + b y + c."""
+    moments, sums = np.zeros((3, 3)), np.zeros(3)
+    row = np.ones(3)
+    for i in range(len(near)):
+        row[0], row[1] = near[i, 0], near[i, 1]
+        _accumulate(row, near[i, 2], moments, sums)
+    return moments, sums
+
+
+@njit(cache=True)
+def _quadric_equations(
+    near: FloatArray, R_PT: FloatArray, c: float, radius: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Returns the normal equations of a height field in T over its tangent plane.
+
+    T has the axes R_PT and its origin at the height `c`; its unit is the radius, so
+    that all is of order one and the equations are well conditioned.
+
+    Returns:
+        The (6, 6) and (6,) of the coefficients that `_meet` takes, and the sum of
+        the squared heights.
+    """
+    moments, sums = np.zeros((6, 6)), np.zeros(6)
+    row = np.ones(6)
+    squares = 0.0
+    for i in range(len(near)):
+        x, y, z = near[i, 0], near[i, 1], near[i, 2] - c
+        s = (x * R_PT[0, 0] + y * R_PT[1, 0] + z * R_PT[2, 0]) / radius
+        t = (x * R_PT[0, 1] + y * R_PT[1, 1] + z * R_PT[2, 1]) / radius
+        h = (x * R_PT[0, 2] + y * R_PT[1, 2] + z * R_PT[2, 2]) / radius
+        row[0], row[1], row[2] = s * s / 2.0, s * t, t * t / 2.0
+        row[3], row[4] = s, t
+        _accumulate(row, h, moments, sums)
+        squares += h * h
+    return moments, sums, squares
+
+
+@njit(cache=True)
+def _accumulate(
+    row: FloatArray, value: float, moments: FloatArray, sums: FloatArray
+) -> None:
+    """Adds one equation to the normal equations, in place."""
+    for j in range(len(row)):
+        sums[j] += row[j] * value
+        for k in range(len(row)):
+            moments[j, k] += row[j] * row[k]
+
+
+@njit(cache=True)
+def _meet(
+    k: FloatArray, direction: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Returns where a line through the origin meets a quadric, and its shape there.
+
+    Args:
+        k: (6,) the quadric h = k0 s^2/2 + k1 s t + k2 t^2/2 + k3 s + k4 t + k5.
+        direction: (3,) of the line, nearly that of h.
+
+    Returns:
+        The point (3,), the unit normal (3,) and the principal curvatures (2,),
+        falling, positive where the skin bulges out.
+    """
+    height = 0.0
+    for _ in range(STEPS):
+        s, t, h = height * direction
+        gs, gt = k[0] * s + k[1] * t + k[3], k[1] * s + k[2] * t + k[4]
+        quadric = (k[0] * s + 2.0 * k[1] * t) * s / 2.0 + k[2] * t * t / 2.0
+        quadric += k[3] * s + k[4] * t + k[5]
+        slope = direction[2] - gs * direction[0] - gt * direction[1]
+        height -= (h - quadric) / slope
+    point = height * direction
+    s, t = point[0], point[1]
+    gs, gt = k[0] * s + k[1] * t + k[3], k[1] * s + k[2] * t + k[4]
+    length = np.sqrt(1.0 + gs * gs + gt * gt)
+    # The shape operator of a height field, inverse first form times second form:
+    # its eigenvalues are those of mean and Gaussian curvature.
+    gauss = (k[0] * k[2] - k[1] * k[1]) / length**4
+    mean = (1.0 + gt * gt) * k[0] - 2.0 * gs * gt * k[1] + (1.0 + gs * gs) * k[2]
+    mean = -mean / (2.0 * length**3)
+    spread = np.sqrt(max(mean * mean - gauss, 0.0))
+    normal = np.array([-gs, -gt, 1.0]) / length
+    return point, normal, np.array([mean + spread, mean - spread])
 
 
 def _tangent_axes(a: float, b: float) -> FloatArray:
     """Returns R_PT of the plane z = a x + b y, its normal last."""
     n = np.array([-a, -b, 1.0]) / np.sqrt(1.0 + a * a + b * b)
     x = np.array([1.0, 0.0, a]) / np.sqrt(1.0 + a * a)
-    return np.column_stack([x, np.cross(n, x), n])
+    return np.column_stack([x, _cross(n, x), n])
+
+
+@njit(cache=True)
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Returns a x b; numpy's takes ten times as long for two vectors."""
+    return np.array(
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    )
 
 
 def desired_nozzle_pose(
@@ -215,6 +292,6 @@ def desired_nozzle_pose(
     if not length > 1e-6:
         raise ValueError("the skin's normal is along the patient's up: no roll")
     x /= length
-    x = np.cos(roll) * x + np.sin(roll) * np.cross(z, x)
-    R_WE = np.column_stack([x, np.cross(z, x), z])
+    x = np.cos(roll) * x + np.sin(roll) * _cross(z, x)
+    R_WE = np.column_stack([x, _cross(z, x), z])
     return R_WE, patch.p_WS + standoff * patch.normal_W

@@ -1,0 +1,114 @@
+"""The compiled loops do what a line of numpy or OpenCV does, only sooner."""
+
+import copy
+
+import cv2
+import numpy as np
+import pytest
+
+from bath_drake.perception import morphology
+from bath_drake.perception.canonical import (
+    LEVEL,
+    CanonicalMap,
+    _trimmed_range,
+    edges_by_level,
+)
+from bath_drake.perception.pixels import column_steps, pixel_normals
+from bath_drake.perception.restricted import LEAST_BRIGHTNESS, relative_brightness
+from bath_drake.perception.surface import fit_surface
+
+# Sums of some ten thousand numbers of order one, in another order.
+ROUNDING = 1e-10
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(6)
+
+
+@pytest.mark.parametrize("radius", [0.5, 1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("density", [0.0, 0.01, 0.5, 0.99, 1.0])
+def test_small_discs_grow_and_shrink_masks_as_distances_do(rng, radius, density):
+    mask = rng.random((60, 70)) < density
+    inside = cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    assert (morphology.erode(mask, radius) == (inside > radius)).all()
+    outside = cv2.distanceTransform(
+        (~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5
+    )
+    # OpenCV's distance to nothing at all is large, but no number to rely on.
+    expected = (outside <= radius) & mask.any()
+    assert (morphology.dilate(mask, radius) == expected).all()
+
+
+@pytest.mark.parametrize("trim", [0.001, 0.01, 0.2])
+@pytest.mark.parametrize("count", [2, 50, 5000])
+def test_trimmed_ranges_are_the_weighted_quantiles(rng, count, trim):
+    values, weights = rng.standard_normal(count), rng.random(count)
+    values[0] = 40.0  # far out: most bins of a histogram are empty
+    order = np.argsort(values)
+    share = weights[order] / weights.sum()
+    centred = np.cumsum(share) - 0.5 * share
+    expected = np.interp((trim, 1.0 - trim), centred, values[order])
+    assert np.abs(_trimmed_range(values, weights, trim) - expected).max() < ROUNDING
+
+
+def test_a_trimmed_range_of_one_value_is_that_value():
+    assert _trimmed_range(np.full(9, 0.3), np.ones(9), 0.01) == (0.3, 0.3)
+
+
+def test_edges_are_the_least_and_greatest_of_each_level(rng):
+    along, across = rng.random(400) * 0.5, rng.standard_normal(400)
+    along[(along > 0.2) & (along < 0.25)] = 0.4  # some levels without points
+    level, left, right = edges_by_level(along, across)
+    assert (np.abs((along - along.min()) / LEVEL - level - 0.5) <= 0.5 + 1e-9).all()
+    for k in range(len(left)):
+        inside = across[level == k]
+        assert left[k] == inside.min(initial=np.inf)
+        assert right[k] == inside.max(initial=-np.inf)
+
+
+def test_steps_and_normals_are_those_of_neighbours(rng):
+    rows, columns = np.mgrid[:12, :15].astype(np.float64)
+    points = np.stack([columns, rows, 0.3 * columns - 0.2 * rows], axis=-1)
+    mask = rng.random((12, 15)) < 0.7
+    pairs = int((mask[:, 1:] & mask[:, :-1]).sum())
+    assert column_steps(points, mask) == pytest.approx(np.full(pairs, np.hypot(1, 0.3)))
+    normals = pixel_normals(points, np.ones((12, 15), dtype=bool), 2)
+    expected = np.array([0.3, -0.2, -1.0]) / np.sqrt(1.13)
+    assert np.abs(normals - expected).max() < ROUNDING
+
+
+def test_skin_brightness_is_the_least_squares_quadratic(draw_frame):
+    frame = draw_frame()
+    shade = np.linspace(0.8, 1.0, frame.colour.shape[1])[:, None]
+    frame.colour = (frame.colour * shade).astype(np.uint8)
+    observation = frame.observe()
+    value = observation.colours.max(axis=1).astype(np.float64)
+    x, y = observation.pixels.T / 100.0
+    basis = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+    around = basis @ np.linalg.lstsq(basis, value, rcond=None)[0]
+    assert around.min() > LEAST_BRIGHTNESS
+    assert np.abs(relative_brightness(observation) - value / around).max() < ROUNDING
+
+
+def test_a_quadric_without_noise_is_found_to_rounding(rng):
+    x, y = rng.uniform(-0.05, 0.05, (2, 3000))
+    height = 2.0 * x * x - 1.0 * x * y + 0.5 * y * y
+    patch = fit_surface(
+        np.column_stack([x, y, height]),
+        CanonicalMap(np.eye(3), np.zeros(3), np.ones(2)),
+        np.zeros(2),
+    )
+    # Level at the origin: there the curvatures are the Hessian's eigenvalues.
+    expected = -np.linalg.eigvalsh([[4.0, -1.0], [-1.0, 1.0]])
+    # The plane fitted first leans a little, so the residual is not all rounding.
+    assert np.abs(patch.normal_W - [0.0, 0.0, 1.0]).max() < 1e-3
+    assert patch.curvatures == pytest.approx(expected, rel=0.02)
+    assert patch.rms < 1e-5
+
+
+def test_observations_are_shared_and_cannot_change(draw_frame):
+    observation = draw_frame().observe()
+    assert copy.deepcopy(observation) is observation
+    with pytest.raises(ValueError, match="read-only"):
+        observation.points_W[0, 0] = 1.0
