@@ -31,7 +31,7 @@ def scales(count: int) -> FloatArray:
 def clip(xs: FloatArray, workspace: Workspace) -> FloatArray:
     """Vectors (..., 5 Q + 1) moved into their bounds; angles are left alone."""
     xs = np.array(xs, dtype=np.float64)
-    rows = xs[..., :-1].reshape(*xs.shape[:-1], -1, GENES)
+    rows = xs[..., :-1].reshape(*xs.shape[:-1], obstacle_count(xs), GENES)
     span = _CENTRE * workspace.semi_axes
     low, high = workspace.centre - span, workspace.centre + span
     rows[..., :2] = np.clip(rows[..., :2], low, high)
@@ -39,7 +39,7 @@ def clip(xs: FloatArray, workspace: Workspace) -> FloatArray:
     half = np.clip(0.5 * (rows[..., 2] - rows[..., 3]), -0.5 * _RATIO, 0.5 * _RATIO)
     rows[..., 2] = np.clip(mean + half, *_AXES)
     rows[..., 3] = np.clip(mean - half, *_AXES)
-    xs[..., :-1] = rows.reshape(*xs.shape[:-1], -1)
+    xs[..., :-1] = rows.reshape(xs[..., :-1].shape)
     xs[..., -1] = np.clip(xs[..., -1], *_KAPPA)
     return xs
 

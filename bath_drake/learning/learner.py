@@ -6,15 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bath_drake.errors import BathDrakeError, DemonstrationError
 from bath_drake.field.critical_points import FieldCheck, check_field
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
 from bath_drake.field.rollout import Rollout, RolloutStatus, rollout
-from bath_drake.learning import search
+from bath_drake.learning import genome, search
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.learning.seeding import obstacle_counts
+from bath_drake.learning.seeding import MAX_OBSTACLES, obstacle_counts
 from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes
 from bath_drake.notation import FloatArray
 
@@ -88,6 +89,7 @@ def learn_skill(
     demonstrations: Sequence[Stroke],
     config: LearnerConfig | None = None,
     progress: Progress | None = None,
+    initial: NavigationField | None = None,
 ) -> LearningResult:
     """Finds virtual obstacles whose flow reproduces the demonstrations.
 
@@ -98,35 +100,37 @@ def learn_skill(
         demonstrations: Canonical strokes (see `strokes.Stroke`), one or more.
         config: Effort and method.
         progress: Told of every step.
+        initial: A field learned from these demonstrations before. The search takes
+            it for one of its members, and the result never ranks behind it: an
+            invalid field never follows a valid one, and among equals the Fréchet
+            distances, with 0.0005 for an obstacle, never grow. Where
+            ``config.obstacles`` is larger than its number, obstacles are added.
 
     Returns:
         The best field found. A stroke that one field cannot hold, such as one that
         crosses itself, ends with ``converged`` False and the best there is.
 
     Raises:
-        DemonstrationError: A stroke cannot be used.
-        ValueError: A stroke leaves the configured workspace.
+        DemonstrationError: A stroke cannot be used, or leaves the workspace.
+        BathDrakeError: ``initial`` is no field of these demonstrations and this
+            configuration.
     """
     begin = time.perf_counter()
     config = config or LearnerConfig()
     strokes = gather_strokes(demonstrations, config.points)
     radius = config.workspace_radius
     workspace = Workspace(np.zeros(2), np.array([radius, radius]))
-    if (workspace.beta(strokes.points) <= 0.05).any():
-        far = float(np.linalg.norm(strokes.points, axis=-1).max())
-        raise ValueError(
-            f"a stroke reaches {far:.3g} from the origin of N, "
-            f"too far for a workspace of radius {radius:.3g}"
-        )
+    _check_reach(demonstrations, strokes, workspace)
+    if initial is not None:
+        _check_initial(initial, strokes, workspace, config)
     problem = LearningProblem(strokes, workspace, config.margins)
-    asked = config.obstacles
-    counts = obstacle_counts(strokes.mean) if asked is None else (asked,)
-    if config.method == "paper" and asked is None:
-        # The paper fixes the number beforehand: two more than the bends.
-        counts = (counts[min(2, len(counts) - 1)],)
+    counts = _counts(strokes, config, initial)
     journal = search.Journal(len(counts), strokes.scale, progress)
     rng = np.random.default_rng(config.seed)
     best: _Judged | None = None
+    if initial is not None:
+        best = _judge(initial, strokes)
+        journal.resume(problem, genome.encode(initial))
     for count in counts:
         for field in search.candidates(problem, count, config, rng, journal):
             judged = _judge(field, strokes)
@@ -157,6 +161,61 @@ def learn_skill(
         seconds=time.perf_counter() - begin,
         config=config,
     )
+
+
+def _check_reach(
+    demonstrations: Sequence[Stroke], strokes: StrokeSet, workspace: Workspace
+) -> None:
+    """Refuses strokes that come too near to the workspace's rim, or beyond it."""
+    for stroke, points in zip(demonstrations, strokes.points, strict=True):
+        if (workspace.beta(points) <= 0.05).any():
+            far = float(np.linalg.norm(points, axis=-1).max())
+            raise DemonstrationError(
+                f"{stroke.name}: with its end on the common goal the stroke reaches "
+                f"{far:.3g} from the origin of N, allowed: "
+                f"{0.95**0.5 * workspace.semi_axes[0]:.3g}"
+            )
+
+
+def _check_initial(
+    initial: NavigationField,
+    strokes: StrokeSet,
+    workspace: Workspace,
+    config: LearnerConfig,
+) -> None:
+    """Refuses a field to continue that belongs to another problem."""
+    if initial.workspace != workspace:
+        raise BathDrakeError("the initial field has another workspace")
+    # The goal is computed from the demonstrations: alike up to rounding.
+    if not np.allclose(initial.goal, strokes.goal, rtol=0.0, atol=1e-9):
+        raise BathDrakeError(
+            f"the initial field has the goal {initial.goal.tolist()}, "
+            f"the demonstrations end at {strokes.goal.tolist()}"
+        )
+    count = len(initial.obstacles)
+    if count > (MAX_OBSTACLES if config.obstacles is None else config.obstacles):
+        raise BathDrakeError(
+            f"the initial field has {count} obstacles, more than are to be learned"
+        )
+    if (initial.obstacles.powers != 1.0).any():
+        raise BathDrakeError("the initial field has exponents other than one")
+
+
+def _counts(
+    strokes: StrokeSet, config: LearnerConfig, initial: NavigationField | None
+) -> tuple[int, ...]:
+    """Numbers of obstacles to try, in turn."""
+    if config.obstacles is not None:
+        return (config.obstacles,)
+    counts = obstacle_counts(strokes.mean)
+    if config.method == "paper":
+        # The paper fixes the number beforehand: two more than the bends.
+        counts = (counts[min(2, len(counts) - 1)],)
+    if initial is None:
+        return counts
+    # What has been learned is worth more than a guess of the number.
+    known = len(initial.obstacles)
+    return (known, *(c for c in counts if c > known))
 
 
 def _judge(field: NavigationField, strokes: StrokeSet) -> _Judged:

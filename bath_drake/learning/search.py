@@ -19,6 +19,8 @@ from bath_drake.notation import FloatArray
 _FINALISTS = 4
 _REPAIRS = 2
 
+_BESIDE = 0.03  # how far beside the stroke the flow is looked at, in N
+
 
 @dataclass(eq=False)
 class Journal:
@@ -40,6 +42,12 @@ class Journal:
     learned: list[FloatArray] = field(default_factory=list)
     _done: int = 0
     _total: int = 0
+
+    def resume(self, problem: LearningProblem, x: FloatArray) -> None:
+        """Enters what is learned already; the first round then starts from it."""
+        self.learned = [x]
+        self.evaluations += 1
+        self.note(problem, x)
 
     def plan(self, steps: int) -> None:
         """Announces how many steps a round takes."""
@@ -110,6 +118,8 @@ def _search_paper(
         return descend(cost, xs, scale, iterations=1, omega=0.05, clip=clip)
 
     xs = seed_population(problem, count, config.seeds, rng)
+    known = [grow(x, count, config.seeds // 8, problem, rng) for x in journal.learned]
+    xs = np.concatenate([*known, xs])
     journal.note(problem, xs[0])
     xs, _ = evolve(
         cost,
@@ -158,16 +168,16 @@ def _search_auto(
 
     if count == 0:
         journal.plan(1)
-        xs, _ = improve(np.array([[0.7]]))
-        journal.note(problem, xs[0])
-        journal.learned = [xs[0]]
-        return [xs[0]]
+        xs, costs = improve(np.array([[0.7], *journal.learned]))
+        journal.learned = [xs[int(np.argmin(costs))]]
+        journal.note(problem, journal.learned[0])
+        return list(xs)
     journal.plan(settings.generations + 2)
     # C cannot fall much below the demonstrations' own spread, and finishing lowers it.
     enough = config.target + 0.5 * problem.strokes.floor
     xs = seed_population(problem, count, config.seeds, rng)
-    for x in journal.learned:
-        xs = np.concatenate([xs, grow(x, count, config.seeds // 8, problem, rng)])
+    known = [grow(x, count, config.seeds // 8, problem, rng) for x in journal.learned]
+    xs = np.concatenate([*known, xs])
     journal.note(problem, xs[0])
     xs, costs = evolve(
         cost,
@@ -180,6 +190,8 @@ def _search_auto(
         report=lambda x: journal.note(problem, x) <= enough,
     )
     finalists = _distinct(xs, costs)
+    # A member of this size that is learned already is finished once more.
+    finalists += [x for x in journal.learned if genome.obstacle_count(x) == count]
     finished = parallel_map(lambda x: _finish(x, problem), finalists)
     journal.evaluations += sum(n for _, n in finished)
     done = [x for x, _ in finished]
@@ -204,6 +216,7 @@ def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
     strokes = problem.strokes.points
     windows = shooting.whole_strokes(strokes, 0.8)
     windows += shooting.cut_windows(strokes, 10, 5, 0.2)
+    windows += shooting.windows_beside(problem.strokes.mean, _BESIDE, 12, 4, 0.2)
     evaluations = 0
     for attempt in range(_REPAIRS + 1):
         # A mean of sixth powers is ruled by the greatest distance, as Fréchet is.

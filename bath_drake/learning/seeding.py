@@ -1,11 +1,12 @@
-"""First populations: obstacles on the inner side of bends, and at random."""
+"""First populations: matched to the flow's direction, by bends, and at random."""
 
 import numpy as np
 
 from bath_drake.learning import genome
 from bath_drake.learning.cost import LearningProblem
+from bath_drake.learning.matching import CANDIDATES, Matcher
 from bath_drake.learning.strokes import headings
-from bath_drake.notation import FloatArray
+from bath_drake.notation import FloatArray, IntArray
 
 MAX_OBSTACLES = 12
 
@@ -46,70 +47,73 @@ def seed_population(
 ) -> FloatArray:
     """``size`` members of ``count`` obstacles, shape (size, 5 count + 1).
 
-    Three quarters have an obstacle on the inner side of each bend, with the rest of
-    their obstacles beside random points of the stroke; one quarter is random.
+    A third has obstacles chosen one by one for the flow's direction; a half has one
+    on the inner side of each bend and the others beside random points of the
+    stroke; the rest is random.
     """
+    matched = size // 2
+    found = np.empty((size, genome.GENES * count + 1))
+    found[:matched] = grow(None, count, matched, problem, rng)
     curve = problem.strokes.mean
     turns = bends(curve)
-    found = np.empty((size, genome.GENES * count + 1))
-    for n in range(size):
-        rows = np.empty((count, genome.GENES))
+    least = np.log(max(1.0, problem.margins.kappa * count))
+    for n in range(matched, size):
         seeded = len(turns) if rng.random() < 0.75 else 0
-        order = rng.permutation(len(turns))[:seeded]
-        for i in range(count):
-            if i < len(order):
-                at, turn = turns[order[i]]
-                at += int(rng.normal(0.0, 0.02 * len(curve)))
-                side = np.sign(turn)
-            else:
-                at = int(rng.integers(2, len(curve) - 2))
-                side = rng.choice([-1.0, 1.0])
-            rows[i] = _beside(curve, at, side, problem, rng)
-        least = np.log(max(1.0, problem.margins.kappa * count))
-        found[n, :-1] = rows.ravel()
+        order = rng.permutation(len(turns))[:seeded][:count]
+        at = rng.integers(2, len(curve) - 2, count)
+        sides = rng.choice([-1.0, 1.0], count)
+        for i, turn in enumerate(order):
+            at[i] = turns[turn][0] + int(rng.normal(0.0, 0.02 * len(curve)))
+            sides[i] = np.sign(turns[turn][1])
+        found[n, :-1] = _beside(at, sides, problem, rng).ravel()
         found[n, -1] = least + rng.uniform(0.0, 1.5)
     return genome.clip(found, problem.workspace)
 
 
 def grow(
-    x: FloatArray,
+    x: FloatArray | None,
     count: int,
     size: int,
     problem: LearningProblem,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """``size`` copies of a member with obstacles added beside the stroke.
+    """``size`` members, (size, 5 count + 1), that have all obstacles of ``x``.
 
     What fewer obstacles have learned is a good first guess for ``count`` of them:
-    the shape is (size, 5 count + 1), and no added obstacle is wider than 0.08, so
-    that the flow is disturbed in one place only.
+    each obstacle added is the one among a few random ones that mends the flow's
+    direction best.
     """
     curve = problem.strokes.mean
-    missing = count - genome.obstacle_count(x)
+    kept = np.empty((0, genome.GENES)) if x is None else x[:-1].reshape(-1, 5)
+    missing = count - len(kept)
+    if missing == 0:
+        return np.array([x])
+    matcher = Matcher(problem)
+    shape = (missing, CANDIDATES)
     grown = np.empty((size, genome.GENES * count + 1))
     for n in range(size):
-        rows = np.empty((missing, genome.GENES))
-        for i in range(missing):
-            at = int(rng.integers(2, len(curve) - 2))
-            rows[i] = _beside(curve, at, rng.choice([-1.0, 1.0]), problem, rng)
-        rows[:, 2:4] = np.minimum(rows[:, 2:4], np.log(0.08))
-        grown[n] = np.concatenate([x[:-1], rows.ravel(), x[-1:]])
+        at = rng.integers(2, len(curve) - 2, shape).ravel()
+        sides = rng.choice([-1.0, 1.0], len(at))
+        choice = _beside(at, sides, problem, rng).reshape(*shape, genome.GENES)
+        rows, kappa = matcher.complete(kept, count, choice)
+        grown[n] = np.append(rows.ravel(), np.log(kappa))
     return genome.clip(grown, problem.workspace)
 
 
 def _beside(
-    curve: FloatArray,
-    at: int,
-    side: float,
-    problem: LearningProblem,
-    rng: np.random.Generator,
+    at: IntArray, sides: FloatArray, problem: LearningProblem, rng: np.random.Generator
 ) -> FloatArray:
-    """One ellipse beside a point of the curve, clear of the demonstrations."""
-    at = int(np.clip(at, 2, len(curve) - 3))
+    """Ellipses (n, 5) beside points of the stroke, clear of the demonstrations."""
+    curve, n = problem.strokes.mean, len(at)
+    at = np.clip(at, 2, len(curve) - 3)
     tangent = curve[at + 2] - curve[at - 2]
-    normal = np.array([-tangent[1], tangent[0]]) / (np.linalg.norm(tangent) + 1e-12)
-    centre = curve[at] + side * rng.uniform(0.06, 0.45) * normal
-    points = problem.strokes.points.reshape(-1, 2)
-    clear = float(np.linalg.norm(points - centre, axis=1).min())
-    axes = max(clear, 0.05) * rng.uniform(0.3, 0.95) * rng.uniform(0.6, 1.0, 2)
-    return np.array([*centre, *np.log(axes), rng.uniform(-0.5, 0.5) * np.pi])
+    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1)
+    normal /= np.linalg.norm(tangent, axis=1, keepdims=True) + 1e-12
+    away = sides * rng.uniform(0.06, 0.45, n)
+    centres = curve[at] + away[:, None] * normal
+    points = problem.strokes.points[:, ::2].reshape(-1, 2)
+    clear = np.linalg.norm(points - centres[:, None], axis=-1).min(axis=1)
+    size = np.maximum(clear, 0.05) * rng.uniform(0.3, 0.95, n)
+    axes = size[:, None] * rng.uniform(0.6, 1.0, (n, 2))
+    angles = rng.uniform(-0.5, 0.5, n) * np.pi
+    return np.column_stack([centres, np.log(axes), angles])

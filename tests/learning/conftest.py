@@ -1,17 +1,13 @@
-"""Strokes to learn from, and settings for tests that wait for a compiler."""
+"""Strokes to learn from."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import settings
 
 from bath_drake.learning.strokes import resample
 from bath_drake.notation import FloatArray
-
-settings.register_profile("compiled", deadline=None, derandomize=True)
-settings.load_profile("compiled")
 
 
 @dataclass(frozen=True)
