@@ -295,3 +295,17 @@ def desired_nozzle_pose(
     x = np.cos(roll) * x + np.sin(roll) * _cross(z, x)
     R_WE = np.column_stack([x, _cross(z, x), z])
     return R_WE, patch.p_WS + standoff * patch.normal_W
+
+
+def height_over(patch: SurfacePatch, p_WQ: FloatArray) -> float:
+    """Returns how high a point (3,) is over the patch, along its normal, m.
+
+    A patch speaks for its own neighbourhood: beside it, more than twice the fitted
+    radius away along the skin, or where it is not valid, the answer is infinite.
+    """
+    if not patch.valid:
+        return float("inf")
+    offset = np.asarray(p_WQ, dtype=np.float64) - patch.p_WS
+    height = float(offset @ patch.normal_W)
+    aside = float(np.linalg.norm(offset - height * patch.normal_W))
+    return height if aside <= 2.0 * patch.radius else float("inf")

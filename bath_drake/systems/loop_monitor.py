@@ -7,7 +7,7 @@ from pydrake.systems.framework import Context, EventStatus, LeafSystem
 
 from bath_drake.control.approach import Phase
 from bath_drake.field.navigation import NavigationField
-from bath_drake.perception.surface import SurfacePatch
+from bath_drake.perception.surface import SurfacePatch, height_over
 from bath_drake.safety.outcome import LoopBounds, LoopOutcome, judge_loop
 from bath_drake.systems._ports import eval_value, eval_vector
 
@@ -49,16 +49,14 @@ class LoopMonitor(LeafSystem):
         """Judges this system's own `context`."""
         field = eval_value(self._field, context, NavigationField)
         patch = eval_value(self._patch, context, SurfacePatch)
-        p_WE = eval_value(self._X_WE, context, RigidTransform).translation()
-        # The patch lies under the reference, a leash away from the nozzle at most.
-        clearance = float((p_WE - patch.p_WS) @ patch.normal_W)
+        p_WE = np.asarray(eval_value(self._X_WE, context, RigidTransform).translation())
         return judge_loop(
             time=context.get_time(),
             washing=int(eval_vector(self._phase, context)[0]) == Phase.WASH,
             goal_distance=float(
                 np.linalg.norm(eval_vector(self._p_NQ, context) - field.goal)
             ),
-            clearance=clearance if patch.valid else float("inf"),
+            clearance=height_over(patch, p_WE),
             bounds=self._bounds,
         )
 

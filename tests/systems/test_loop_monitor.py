@@ -148,3 +148,12 @@ def test_no_look_is_taken_at_time_zero():
 def test_the_period_must_be_positive(period):
     with pytest.raises(ValueError, match="period must be positive"):
         LoopMonitor(bounds=BOUNDS, period=period)
+
+
+def test_a_patch_says_nothing_about_a_nozzle_far_beside_it():
+    run = Run()
+    # In front of the shoulder while the patch is at the flank: no height at all
+    # along the flank's normal, and yet far from any skin.
+    aside = RigidTransform([0.5, -0.2, 1.0])
+    run.monitor.GetInputPort("nozzle_pose").FixValue(run.context, aside)
+    assert run.advance(0.5) is None
