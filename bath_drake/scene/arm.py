@@ -72,14 +72,16 @@ class ArmGeometry:
         self._hulls = _link_hulls(plant, scene_graph)
         # The plant refers to the scene graph, which the diagram owns.
         self._diagram = builder.Build()
+        # A scratch pad, written before every use: it remembers nothing.
+        self._scratch = plant.CreateDefaultContext()
 
     def hulls_in_world(self, q: FloatArray) -> Sequence[FloatArray]:
         """Returns hull vertices (n, 3) in W, m, a piece, at positions q (7,)."""
-        context = self._plant.CreateDefaultContext()
-        self._plant.SetPositions(context, q)
+        plant, context = self._plant, self._scratch
+        plant.SetPositions(context, q)
         hulls = []
         for index, p_LV in self._hulls:
-            X_WL = self._plant.EvalBodyPoseInWorld(context, self._plant.get_body(index))
+            X_WL = plant.EvalBodyPoseInWorld(context, plant.get_body(index))
             hulls.append((X_WL.rotation().matrix() @ p_LV.T).T + X_WL.translation())
         return hulls
 

@@ -15,9 +15,13 @@ T = TypeVar("T")
 
 
 def _eval(port: InputPort, context: Context) -> Any:
-    if not port.HasValue(context):
-        raise RuntimeError(f"{_describe(port)} is not connected")
-    return port.Eval(context)
+    # Asking first whether there is a value would evaluate it twice.
+    try:
+        return port.Eval(context)
+    except RuntimeError as error:
+        if port.HasValue(context):
+            raise
+        raise RuntimeError(f"{_describe(port)} is not connected") from error
 
 
 def _describe(port: InputPort) -> str:

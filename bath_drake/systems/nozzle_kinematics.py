@@ -44,6 +44,8 @@ class NozzleKinematics(LeafSystem):
             )
         self._plant = plant
         self._frame = plant.GetFrameByName(NOZZLE_FRAME)
+        # A scratch pad, written before every use: it remembers nothing.
+        self._scratch = plant.CreateDefaultContext()
         self._arm_state = self.DeclareVectorInputPort("arm_state", 14)
         self.DeclareAbstractOutputPort(
             "nozzle_pose",
@@ -53,7 +55,6 @@ class NozzleKinematics(LeafSystem):
         )
 
     def _calc_nozzle_pose(self, context: Any, output: Any) -> None:
-        scratch = self._plant.CreateDefaultContext()
         q = eval_vector(self._arm_state, context)[:7]
-        self._plant.SetPositions(scratch, drake_vector(q))
-        output.set_value(self._frame.CalcPoseInWorld(scratch))
+        self._plant.SetPositions(self._scratch, drake_vector(q))
+        output.set_value(self._frame.CalcPoseInWorld(self._scratch))
