@@ -23,8 +23,8 @@ GAP = 0.05
 NEAR_ENOUGH = 0.05
 _SHRINK, _SMALLEST = 0.85, 0.15
 # The smaller an area's exponent, the nearer to it the flow first feels it.
-_EXPONENTS = (1.0, 0.3, 0.1)
-_KAPPA_FACTORS = (1.0, 2.0)
+_EXPONENTS = (1.0, 0.3)
+_KAPPA_FACTORS = (1.0, 2.0, 4.0)
 
 
 @dataclass(frozen=True, eq=False)
