@@ -72,8 +72,11 @@ def test_a_wound_adds_its_clearance(page, wounded_page):
     }
 
 
-def test_the_same_folder_gives_the_same_page(run_folder, page_text):
-    assert write_report(run_folder).read_text() == page_text
+def test_the_command_prints_the_path_of_the_same_page(run_folder, page_text, capsys):
+    assert main(["report", str(run_folder)]) == 0
+    path = run_folder / "report.html"
+    assert capsys.readouterr().out.strip() == str(path)
+    assert path.read_text() == page_text
 
 
 def test_the_page_states_verdict_limits_of_use_and_rigidity(run_folder, page):
@@ -125,11 +128,6 @@ def test_metrics_without_their_keys_are_refused(copy, content):
     (copy / "metrics.json").write_text(content)
     with pytest.raises(RunFolderError, match="metrics"):
         write_report(copy)
-
-
-def test_the_command_prints_the_path(copy, capsys):
-    assert main(["report", str(copy)]) == 0
-    assert capsys.readouterr().out.strip() == str(copy / "report.html")
 
 
 def test_the_command_fails_on_one_line_without_a_folder(tmp_path, capsys):
