@@ -47,9 +47,9 @@ def seed_population(
 ) -> FloatArray:
     """``size`` members of ``count`` obstacles, shape (size, 5 count + 1).
 
-    A third has obstacles chosen one by one for the flow's direction; a half has one
-    on the inner side of each bend and the others beside random points of the
-    stroke; the rest is random.
+    The first half has obstacles chosen one by one for the flow's direction. Three
+    quarters of the others have one on the inner side of each bend and the rest beside
+    random points of the stroke; the last eighth has all of them there.
     """
     matched = size // 2
     found = np.empty((size, genome.GENES * count + 1))
