@@ -55,7 +55,8 @@ class HoldSupervisor(LeafSystem):
         counts = self.DeclareDiscreteState(drake_vector(np.zeros(len(HoldReason))))
         self._counts = int(counts)
         self.DeclareStateOutputPort("hold_counts", counts)
-        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+        # Not at time zero: the first frame is being taken then.
+        self.DeclarePeriodicDiscreteUpdateEvent(period, period, self._update)
 
     def _reason(self, context: Context) -> HoldReason:
         observation = eval_value(self._observation, context, BodyObservation)
