@@ -28,6 +28,28 @@ from bath_drake.verification import evaluate
 
 SKIN = np.array([0.80, 0.60, 0.50])
 WOUND = (0.3, -0.05, 0.16, 0.1, 0.3)
+# The keys of metrics.json that others lean on.
+PROMISED_METRICS = {
+    "verdict",
+    "checks",
+    "frechet",
+    "certificate",
+    "reached_goal",
+    "time_to_goal_s",
+    "surface_error_mm",
+    "normal_error_deg",
+    "standoff_or_force",
+    "restricted_entries",
+    "restricted_min_clearance_mm",
+    "min_beta",
+    "coverage",
+    "frames",
+    "dropped_frames",
+    "holds",
+    "real_time_factor",
+    "versions",
+    "seed",
+}
 
 
 def _pose_row(R, p):

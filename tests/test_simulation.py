@@ -1,0 +1,190 @@
+"""Whole closed loops with the shipped skill, on every shipped person."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up_run import PROMISED_METRICS
+from pydrake.common.value import Value
+from pydrake.systems.framework import LeafSystem
+from pydrake.systems.sensors import ImageDepth32F, ImageRgba8U
+from test_diagrams import drive, rolled_out
+from write_wiring import shipped_diagram
+
+from bath_drake import diagrams
+from bath_drake.control.approach import Phase
+from bath_drake.learning.frechet import discrete_frechet
+from bath_drake.resources import models_folder
+from bath_drake.run_folder import write_metrics
+from bath_drake.safety.hold import HoldReason
+from bath_drake.scenario import find_skill, load_scenario
+from bath_drake.simulation import run
+from bath_drake.skill_file import load_skill
+from bath_drake.verification import evaluate
+
+PEOPLE = sorted(path.parent.name for path in models_folder().glob("people/*/body.gltf"))
+SCENARIOS = ("reproduction", "restricted_area")
+
+
+def shipped_skill(scenario):
+    return load_skill(find_skill(scenario.skill))
+
+
+@pytest.fixture(
+    scope="module",
+    params=[(name, person) for name in SCENARIOS for person in PEOPLE],
+    ids="-".join,
+)
+def judged(request):
+    """Scenario, log and evaluation of one closed loop."""
+    name, person = request.param
+    scenario = load_scenario(name)
+    scenario.scene.person = person
+    skill = shipped_skill(scenario)
+    log = run(diagrams.build_reproduction(scenario, skill), scenario)
+    return scenario, log, evaluate(log, scenario, skill)
+
+
+def test_there_are_four_people():
+    assert len(PEOPLE) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_the_closed_loop_passes_its_verification(judged):
+    scenario, log, evaluation = judged
+    failed = {k: c for k, c in evaluation.metrics["checks"].items() if not c["pass"]}
+    assert failed == {}
+    assert evaluation.metrics["verdict"] == "pass"
+    assert log.outcome == "GOAL_REACHED"
+    assert log.time[-1] < scenario.duration
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_no_wound_is_entered(judged):
+    scenario, _, evaluation = judged
+    assert evaluation.metrics["restricted_entries"] == 0
+    clearance = evaluation.metrics["restricted_min_clearance_mm"]
+    if scenario.scene.wound is None:
+        assert clearance is None
+    else:
+        assert clearance > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_the_metrics_are_complete_and_strict_json(judged, tmp_path):
+    _, log, evaluation = judged
+    metrics = evaluation.metrics
+    assert metrics.keys() >= PROMISED_METRICS
+    write_metrics(tmp_path / "metrics.json", metrics)
+    # One frame a camera period, the one at time zero included.
+    assert metrics["frames"] == pytest.approx(log.time[-1] * 30.0, abs=2)
+    for name in ("surface_error_mm", "normal_error_deg", "standoff_or_force"):
+        assert 0.0 <= metrics[name]["mean"] <= metrics[name]["max"]
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_the_approach_comes_down_before_it_washes(judged):
+    scenario, log, _ = judged
+    assert (np.diff(log.phase) >= 0.0).all()
+    assert set(log.phase) == set(Phase)
+    washing = log.phase == Phase.WASH
+    np.testing.assert_array_equal(log.standoff[washing], scenario.control.standoff)
+    # 0.05 m/s at most along the normal; samples are 10 ms apart.
+    assert np.abs(np.diff(log.standoff)).max() <= 0.05 * 0.011
+
+
+@pytest.mark.slow
+def test_the_canonical_loop_reproduces_the_shipped_skill():
+    skill = shipped_skill(load_scenario("reproduction"))
+    path = drive(shipped_diagram("canonical_loop"), skill)
+    # Euler's deviation at the default speed on a path of some 2.5 units of N.
+    assert discrete_frechet(path, rolled_out(skill)) < 1e-3
+
+
+DARK_FROM_S = 8.0
+
+
+class Shutter(LeafSystem):
+    """Lets the camera's images through, from `since` on black and without depth."""
+
+    def __init__(self, camera, since):
+        super().__init__()
+        width, height = camera.width, camera.height
+        self._since = since
+        colour = Value(ImageRgba8U(width, height))
+        depth = Value(ImageDepth32F(width, height))
+        self._inputs = {
+            "colour": self.DeclareAbstractInputPort("colour", colour),
+            "depth": self.DeclareAbstractInputPort("depth", depth),
+        }
+        for name, model in (("colour", colour), ("depth", depth)):
+            self.DeclareAbstractOutputPort(
+                f"shuttered_{name}",
+                model.Clone,
+                lambda context, output, name=name: self._calc(name, context, output),
+            )
+
+    def _calc(self, name, context, output):
+        image = self._inputs[name].Eval(context)
+        if context.get_time() >= self._since - 1e-9:
+            image = type(image)(image.width(), image.height())
+            image.mutable_data[:] = 0 if name == "colour" else np.inf
+        output.set_value(image)
+
+
+class ShutteredCamera:
+    """What the diagram builders ask of a camera."""
+
+    def __init__(self, shutter):
+        self._shutter = shutter
+
+    def color_image_output_port(self):
+        return self._shutter.GetOutputPort("shuttered_colour")
+
+    def depth_image_32F_output_port(self):
+        return self._shutter.GetOutputPort("shuttered_depth")
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
+    add_scene = diagrams.add_scene
+
+    def add_shuttered_scene(builder, config):
+        scene = add_scene(builder, config)
+        shutter = builder.AddNamedSystem("shutter", Shutter(config.camera, DARK_FROM_S))
+        for port, name in (
+            (scene.camera.color_image_output_port(), "colour"),
+            (scene.camera.depth_image_32F_output_port(), "depth"),
+        ):
+            builder.Connect(port, shutter.GetInputPort(name))
+        return replace(scene, camera=ShutteredCamera(shutter))
+
+    monkeypatch.setattr(diagrams, "add_scene", add_shuttered_scene)
+    scenario = load_scenario("reproduction")
+    scenario.duration = DARK_FROM_S + 2.0
+    skill = shipped_skill(scenario)
+    log = run(diagrams.build_reproduction(scenario, skill), scenario)
+    assert log.outcome == "TIMED_OUT"
+    assert log.hold_counts[HoldReason.BODY_LOST] == 1
+
+    # The next frame is 33 ms away at most; then every instant holds.
+    dark = log.time > DARK_FROM_S + 0.05
+    light = (log.time > DARK_FROM_S - 0.5) & (log.time < DARK_FROM_S)
+    assert (log.hold_reason[dark] == HoldReason.BODY_LOST).all()
+    assert (log.phase[light] == Phase.WASH).all()
+    for series in (log.joint_command[:, :7], log.canonical_reference):
+        np.testing.assert_array_equal(
+            series[dark], np.tile(series[-1], (dark.sum(), 1))
+        )
+        assert np.ptp(series[light], axis=0).max() > 0.0
+    np.testing.assert_array_equal(log.joint_command[dark, 7:], 0.0)
+    # Half a second later the arm has come to rest where it was told to stay.
+    rest = log.time > DARK_FROM_S + 0.5
+    assert np.abs(log.arm_state[rest, 7:]).max() < 1e-3  # rad/s
+    assert np.ptp(log.nozzle_pose[rest, 4:], axis=0).max() < 1e-4  # m
+    assert not evaluate(log, scenario, skill).metrics["checks"]["reached_goal"]["pass"]
