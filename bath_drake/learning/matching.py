@@ -12,12 +12,12 @@ import numpy as np
 
 from bath_drake.learning import _matching, genome
 from bath_drake.learning.cost import LearningProblem
-from bath_drake.learning.shooting import RETURN
 from bath_drake.learning.strokes import resample
 from bath_drake.notation import FloatArray
 
 _POINTS = 48
 _OFFSET = 0.04  # beside the stroke, in N
+_RETURN = 0.3  # length, in N, over which the flow there is wished to lead back
 CANDIDATES = 48
 """How many to choose from."""
 
@@ -45,7 +45,7 @@ def wishes(curve: FloatArray) -> Wishes:
     normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
     points, directions, weights = [], [], []
     for side, weight in ((0.0, 1.0), (1.0, 0.3), (-1.0, 0.3)):
-        wished = tangents - side * _OFFSET / RETURN * normals
+        wished = tangents - side * _OFFSET / _RETURN * normals
         points.append(along[:-1] + side * _OFFSET * normals)
         directions.append(wished / np.linalg.norm(wished, axis=1, keepdims=True))
         weights.append(np.full(_POINTS, weight))

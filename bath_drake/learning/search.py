@@ -19,8 +19,6 @@ from bath_drake.notation import FloatArray
 _FINALISTS = 4
 _REPAIRS = 2
 
-_BESIDE = 0.03  # how far beside the stroke the flow is looked at, in N
-
 
 @dataclass(eq=False)
 class Journal:
@@ -216,7 +214,6 @@ def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
     strokes = problem.strokes.points
     windows = shooting.whole_strokes(strokes, 0.8)
     windows += shooting.cut_windows(strokes, 10, 5, 0.2)
-    windows += shooting.windows_beside(problem.strokes.mean, _BESIDE, 12, 4, 0.2)
     evaluations = 0
     for attempt in range(_REPAIRS + 1):
         # A mean of sixth powers is ruled by the greatest distance, as Fréchet is.

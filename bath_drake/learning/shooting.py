@@ -19,8 +19,6 @@ _DIFFERENCE = 1e-6
 # Smaller beta_i are held at this while shooting: windows may then start within an
 # obstacle that the hinges are about to push away.
 _FLOOR = 0.004
-RETURN = 0.3
-"""Length, in N, over which a flow beside a stroke is wished to lead back to it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,39 +81,6 @@ def whole_strokes(demonstrations: FloatArray, weight: float = 1.0) -> Windows:
         demonstrations, demonstrations.shape[1], demonstrations.shape[1], weight
     )
     return Windows(w.targets, w.lengths, w.steps, (w.lengths * 6) // 5, w.weights)
-
-
-def windows_beside(
-    curve: FloatArray, offset: float, horizon: int, stride: int, weight: float = 1.0
-) -> Windows:
-    """Windows that start ``offset`` beside a stroke (T, 2) and lead gently back.
-
-    They ask for a flow that hardly turns across the stroke, so that who follows it
-    late, or a little aside, is not sent elsewhere. None starts near the stroke's end,
-    where every flow turns to the goal.
-    """
-    spacing = float(np.linalg.norm(np.diff(curve, axis=0), axis=1).mean())
-    tangents = np.gradient(curve, axis=0)
-    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True) + 1e-12
-    normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
-    decay = np.exp(-spacing / RETURN * np.arange(horizon + 1))[:, None]
-    far = np.linalg.norm(curve - curve[-1], axis=1) > 4.0 * abs(offset)
-    starts = [i for i in range(0, len(curve) - horizon, stride) if far[i]]
-    pieces = [slice(i, i + horizon + 1) for i in starts]
-    targets = [
-        curve[piece] + side * offset * decay * normals[piece]
-        for piece in pieces
-        for side in (-1.0, 1.0)
-    ]
-    n = len(targets)
-    lengths = np.full(n, horizon + 1, dtype=np.int64)
-    return Windows(
-        np.array(targets).reshape(n, horizon + 1, 2),
-        lengths,
-        np.full(n, spacing),
-        lengths - 1,
-        np.full(n, weight / max(n, 1)),
-    )
 
 
 def shooting_cost(
