@@ -6,6 +6,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from made_up_run import write_run
+
+from bath_drake.scenario import Scenario
 
 CHECKOUT = Path(__file__).parent.parent
 
@@ -30,6 +33,20 @@ def test_the_wheel_carries_models_and_scenarios_but_no_tests(unpacked):
     assert not (unpacked / "tutorials").exists()
 
 
+def run_from(site, program, folder):
+    """What a program prints that finds the package in the wheel alone."""
+    # -I leaves out the current folder and PYTHONPATH; the wheel goes first.
+    program = f"import sys; sys.path.insert(0, {str(site)!r});{program}"
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", program],
+        cwd=folder,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return done.stdout.strip()
+
+
 def test_a_scenario_loads_from_the_wheel_alone(unpacked, tmp_path):
     program = (
         "import bath_drake.resources as r, bath_drake.scenario as s;"
@@ -37,17 +54,26 @@ def test_a_scenario_loads_from_the_wheel_alone(unpacked, tmp_path):
         "print(r.models_folder()); load_person(s.load_scenario('reproduction')"
         ".scene.person)"
     )
-    # -I leaves out the current folder and PYTHONPATH; the wheel goes first.
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-I",
-            "-c",
-            f"import sys; sys.path.insert(0, {str(unpacked)!r});{program}",
-        ],
-        cwd=tmp_path,
-        check=True,
-        capture_output=True,
-        text=True,
+    found = run_from(unpacked, program, tmp_path)
+    assert found == str(unpacked / "bath_drake" / "_data" / "models")
+
+
+def test_the_wheel_carries_the_reports_templates(unpacked, tmp_path):
+    shipped = CHECKOUT / "bath_drake" / "report" / "templates"
+    program = (
+        "from bath_drake.report import page, write_report; import jinja2;"
+        "print(*jinja2.PackageLoader('bath_drake.report').list_templates())"
     )
-    assert done.stdout.strip() == str(unpacked / "bath_drake" / "_data" / "models")
+    names = run_from(unpacked, program, tmp_path).split()
+    assert sorted(names) == sorted(path.name for path in shipped.iterdir())
+
+
+@pytest.mark.slow  # the numba kernels are compiled anew, for no cache is in a wheel
+def test_a_report_is_written_from_the_wheel_alone(unpacked, tmp_path):
+    folder = write_run(tmp_path / "run", Scenario(description="A made-up run."))
+    program = (
+        "import pathlib; from bath_drake.report import write_report;"
+        f"print(write_report(pathlib.Path({str(folder)!r})))"
+    )
+    assert run_from(unpacked, program, tmp_path) == str(folder / "report.html")
+    assert "A made-up run." in (folder / "report.html").read_text(encoding="utf-8")
