@@ -1,3 +1,4 @@
+import dataclasses
 from dataclasses import fields
 
 import numpy as np
@@ -24,8 +25,11 @@ def test_a_log_reads_back_bit_by_bit(log, tmp_path):
             np.testing.assert_array_equal(getattr(back, field.name), expected)
 
 
-def test_the_real_time_factor_is_that_of_the_whole_run(log):
-    assert log.real_time_factor == 4.0 / 5.0
+def test_the_real_time_factor_leaves_out_the_first_stretch(log):
+    # Rows (simulated, wall): (0, 1), (2, 3), (4, 5).
+    assert log.real_time_factor == (4.0 - 2.0) / (5.0 - 3.0)
+    short = dataclasses.replace(log, wall_time=np.array([[0.0, 0.0], [1.0, 4.0]]))
+    assert short.real_time_factor == 0.25
 
 
 @pytest.mark.parametrize("content", [b"", b"junk", b"PK\x03\x04junk"])
