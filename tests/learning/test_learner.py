@@ -163,7 +163,7 @@ def test_bad_configurations_are_refused(arguments: Any, message: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(4))
 def test_three_sinusoids_are_learned_to_three_hundredths(
     make_strokes: MakeStrokes, seed: int
 ) -> None:
@@ -214,6 +214,6 @@ def test_other_strokes_are_learned(
 
 @pytest.mark.slow
 def test_a_stroke_that_crosses_itself_ends_honestly(make_strokes: MakeStrokes) -> None:
-    result = learn_skill(make_strokes("loop", 0), LearnerConfig())
+    result = learn_skill(make_strokes("loop", 0), LearnerConfig(obstacles=5))
     _check_consistency(result)
     assert not result.converged
