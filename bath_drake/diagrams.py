@@ -247,7 +247,9 @@ def _add_control(
                 radius=scenario.perception.patch_radius
             ),
             "differential_ik": DifferentialIk(
-                plant=arm, home=home_position(scenario.scene.arm)
+                plant=arm,
+                home=home_position(scenario.scene.arm),
+                posture=np.array(scenario.scene.arm.posture),
             ),
             "nozzle_kinematics": NozzleKinematics(plant=arm),
             "canonical_tracker": CanonicalTracker(),

@@ -54,6 +54,11 @@ class ArmConfig:
     home: list[float] = field(
         default_factory=lambda: [0.385, 1.275, -1.198, -2.428, -1.49, 1.105, 2.006]
     )  # rad, beside and behind the person, out of the camera's view of the back
+    # rad, to the middle of its joints' ranges while it washes: the null space is
+    # drawn here, and so away from the limits.
+    posture: list[float] = field(
+        default_factory=lambda: [1.3, 1.18, -1.35, -2.2, -1.85, 1.35, 0.9]
+    )
     # N m/rad and N m s/rad, the implicit PD of each joint.
     stiffness: list[float] = field(
         default_factory=lambda: [2400, 2400, 2400, 2400, 1000, 600, 200]
@@ -95,6 +100,7 @@ def check_scene(config: SceneConfig) -> None:
         "camera.target": (camera.target, 3),
         "arm.base_position": (arm.base_position, 3),
         "arm.home": (arm.home, 7),
+        "arm.posture": (arm.posture, 7),
         "arm.stiffness": (arm.stiffness, 7),
         "arm.damping": (arm.damping, 7),
     }

@@ -53,7 +53,8 @@ class DifferentialIk(LeafSystem):
     without a usable pose or a solution, q stays and v is zero: nothing that is not
     finite ever leaves. Discrete state, updated with the period `time_step`.
 
-    Drake's DoDifferentialInverseKinematics keeps the direction of the wanted
+    The turn about the jet is not followed: a round jet has no roll, and free it keeps
+    the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the direction of the wanted
     velocity and stays within joint limits; the pose error is turned into that
     velocity with a bounded gain, speed and acceleration.
     """
@@ -63,6 +64,7 @@ class DifferentialIk(LeafSystem):
         *,
         plant: MultibodyPlant,
         home: FloatArray,
+        posture: FloatArray | None = None,
         tracking: TrackingConfig | None = None,
         time_step: float = 0.005,
         joint_margin: float = 0.08,
@@ -74,7 +76,8 @@ class DifferentialIk(LeafSystem):
 
         Args:
             plant: The arm alone, finalised, seven positions.
-            home: (7,) initial command and nominal posture, rad.
+            home: (7,) initial command, rad.
+            posture: (7,) what the null space is drawn to, rad; None for `home`.
             tracking: Gains and limits of the pose tracking; None for the defaults.
             time_step: Period of the update, s.
             joint_margin: Kept from both ends of each joint's range, rad.
@@ -101,11 +104,13 @@ class DifferentialIk(LeafSystem):
         low = np.array(plant.GetPositionLowerLimits()) + joint_margin
         high = np.array(plant.GetPositionUpperLimits()) - joint_margin
         home = np.array(home, dtype=np.float64)
-        if home.shape != (7,) or not ((home >= low) & (home <= high)).all():
-            raise ValueError(
-                f"home must be 7 positions within {low.tolist()} and {high.tolist()},"
-                f" got {home.tolist()}"
-            )
+        posture = home if posture is None else np.array(posture, dtype=np.float64)
+        for name, q in (("home", home), ("posture", posture)):
+            if q.shape != (7,) or not ((q >= low) & (q <= high)).all():
+                raise ValueError(
+                    f"{name} must be 7 positions within {low.tolist()} and"
+                    f" {high.tolist()}, got {q.tolist()}"
+                )
         self._time_step = time_step
         self._tracking = TrackingConfig() if tracking is None else tracking
         self._plant = plant
@@ -114,10 +119,10 @@ class DifferentialIk(LeafSystem):
         self._scratch = plant.CreateDefaultContext()
         self._acceleration = joint_acceleration
         self._unbounded = _parameters(
-            plant, home, (low, high), time_step, speed_fraction, centering_gain
+            plant, posture, (low, high), time_step, speed_fraction, centering_gain
         )
         self._parameters = _parameters(
-            plant, home, (low, high), time_step, speed_fraction, centering_gain
+            plant, posture, (low, high), time_step, speed_fraction, centering_gain
         )
         bound = drake_vector(np.full(7, joint_acceleration))
         self._parameters.set_joint_acceleration_limits((-bound, bound))
@@ -226,7 +231,7 @@ def _check(**positive: float) -> None:
 
 def _parameters(
     plant: MultibodyPlant,
-    home: FloatArray,
+    posture: FloatArray,
     limits: tuple[FloatArray, FloatArray],
     time_step: float,
     speed_fraction: float,
@@ -234,7 +239,10 @@ def _parameters(
 ) -> DifferentialInverseKinematicsParameters:
     parameters = DifferentialInverseKinematicsParameters(7, 7)
     parameters.set_time_step(time_step)
-    parameters.set_nominal_joint_position(drake_vector(home))
+    parameters.set_nominal_joint_position(drake_vector(posture))
+    # A round jet has no roll: in E, the turn about the jet is left to the posture.
+    flags: Any = np.array([True, True, False, True, True, True])
+    parameters.set_end_effector_velocity_flag(flags)
     low, high = limits
     parameters.set_joint_position_limits((drake_vector(low), drake_vector(high)))
     speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
