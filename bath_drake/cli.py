@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         level=logging.DEBUG if options.verbose else logging.WARNING,
         format="%(levelname)s %(name)s: %(message)s",
     )
-    for chatty in ("drake", "matplotlib", "numba", "PIL"):
+    for chatty in ("matplotlib", "numba", "PIL"):
         logging.getLogger(chatty).setLevel(logging.WARNING)
     try:
         return int(_command(options.verb).run(options))

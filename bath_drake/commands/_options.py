@@ -1,6 +1,7 @@
 """What several verbs share: progress bars, a Meshcat, the end of a run."""
 
 import contextlib
+import logging
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -42,6 +43,8 @@ def simulation_bar(duration: float) -> Iterator[Progress]:
 def run_and_report(folder: Path, scenario: Scenario, skill: Skill, live: bool) -> int:
     """Simulates into `folder`, prints the verdict; 0 if it passes, 1 if not."""
     make_run_folder(folder)
+    # Drake sets its own level on import; the address is printed below if wanted.
+    logging.getLogger("drake").setLevel(logging.WARNING)
     meshcat = Meshcat()
     if live:
         print(f"Meshcat: {meshcat.web_url()}", flush=True)

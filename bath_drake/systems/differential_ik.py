@@ -54,9 +54,9 @@ class DifferentialIk(LeafSystem):
     finite ever leaves. Discrete state, updated with the period `time_step`.
 
     The turn about the jet is not followed: a round jet has no roll, and free it keeps
-    the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the direction of the wanted
-    velocity and stays within joint limits; the pose error is turned into that
-    velocity with a bounded gain, speed and acceleration.
+    the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the
+    direction of the wanted velocity and stays within joint limits; the pose error is
+    turned into that velocity with a bounded gain, speed and acceleration.
     """
 
     def __init__(
