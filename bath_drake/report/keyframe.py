@@ -6,7 +6,9 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
+from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.parameters import unpack_field
 from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
@@ -73,6 +75,11 @@ class Keyframe:
         """The restricted areas sensed in it, in N."""
         rows = self.log.keyframe_areas
         return ObstacleSet(rows[rows[:, 0] == self.index, 1:6])
+
+    @cached_property
+    def world(self) -> NavigationField:
+        """The field in force then: learned and sensed obstacles, reconciled."""
+        return unpack_field(self.log.keyframe_world[self.index])
 
     @cached_property
     def points_W(self) -> FloatArray:

@@ -71,11 +71,10 @@ class RunData:
         return np.asarray(self.log.canonical_position[chosen])
 
     def path_from(self, frame: Keyframe) -> FloatArray:
-        """The plan (n, 2) from where the nozzle was, around what the frame saw."""
+        """The plan (n, 2) from where the nozzle was, in the world it was driven in."""
         done = self.path_until(frame.time)
         start = done[-1] if len(done) else self.skill.start
-        field = self.skill.field.with_obstacles(frame.areas)
-        return rollout(start, field).path
+        return rollout(start, frame.world).path
 
 
 def load_run(folder: Path) -> RunData:
