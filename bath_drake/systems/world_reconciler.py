@@ -61,7 +61,7 @@ class WorldReconciler(LeafSystem):
             "sensed_obstacles", Value(ObstacleSet())
         )
         self._p_NQ = self.DeclareVectorInputPort("canonical_reference", 2)
-        self._world = self.DeclareAbstractState(Value[object](None))
+        self._world = self.DeclareAbstractState(Value[object]())
         state = {self.abstract_state_ticket(self._world)}
         inputs = state | {self._field.ticket()}
         self.DeclareAbstractOutputPort(
