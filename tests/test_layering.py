@@ -10,6 +10,7 @@ import bath_drake
 PACKAGE = Path(bath_drake.__file__).parent
 PURE = (
     "field",
+    "certificate",
     "demonstrations",
     "learning",
     "perception",
@@ -22,6 +23,7 @@ ORDER = (
     ("errors", "notation", "resources", "doctor"),
     ("yaml_io",),
     ("schema", "field"),
+    ("certificate",),
     ("perception",),
     ("demonstrations",),
     ("learning", "safety", "patient"),
