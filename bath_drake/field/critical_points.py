@@ -34,11 +34,13 @@ class CriticalPoint:
         y: In N.
         kind: What the Hessian of psi says; 'degenerate' if it is singular to
             working precision.
+        eigenvalues: Of that Hessian, the lower one first.
     """
 
     x: float
     y: float
     kind: Kind
+    eigenvalues: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -213,14 +215,18 @@ def _distinct(rows: FloatArray, tolerance: float) -> tuple[CriticalPoint, ...]:
     for row in rows[np.lexsort((rows[:, 1], rows[:, 0]))]:
         if all(np.hypot(*(row[:2] - k[:2])) > tolerance for k in kept):
             kept.append(row)
-    return tuple(
-        CriticalPoint(float(x), float(y), _kind(hxx, hxy, hyy))
-        for x, y, hxx, hxy, hyy in kept
-    )
+    return tuple(_critical_point(*row.tolist()) for row in kept)
 
 
-def _kind(hxx: float, hxy: float, hyy: float) -> Kind:
-    low, high = np.linalg.eigvalsh(np.array([[hxx, hxy], [hxy, hyy]]))
+def _critical_point(
+    x: float, y: float, hxx: float, hxy: float, hyy: float
+) -> CriticalPoint:
+    low, high = np.linalg.eigvalsh(np.array([[hxx, hxy], [hxy, hyy]])).tolist()
+    return CriticalPoint(x, y, kind_of(low, high), (low, high))
+
+
+def kind_of(low: float, high: float) -> Kind:
+    """What a critical point with these eigenvalues of its Hessian is."""
     # Newton's root is good to 1e-11, so an eigenvalue is to about 1e-9 relative.
     if min(abs(low), abs(high)) < 1e-9 * max(abs(low), abs(high)):
         return "degenerate"
