@@ -41,6 +41,7 @@ ORDER = (
     ("report",),
     ("meshcat_view",),
     ("run_folder",),
+    ("benchmarks",),
     ("commands",),
     ("cli",),
     ("__main__",),

@@ -1,0 +1,1 @@
+"""Benchmarks of `bath-drake bench`: one module each, and what they share."""
