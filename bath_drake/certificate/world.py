@@ -146,7 +146,7 @@ def _enclose(theta: FloatArray, slack: FloatArray) -> FloatArray:
 
 @njit(cache=True)
 def log_bounds(x: float) -> tuple[float, float]:
-    """Bounds of ln x for x > 0, which libraries give to a few units in the last place."""
+    """Bounds of ln x for x > 0; libraries err by a unit or two in the last place."""
     value = math.log(x)
     slack = 8.0 * 2.0**-52 * (abs(value) + 1.0)
     return below(value - slack), above(value + slack)
