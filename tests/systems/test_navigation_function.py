@@ -222,3 +222,14 @@ def test_a_diagram_with_it_converts_to_autodiff(loop):
     # 1e-16 / h of rounding, h^2 times third derivatives.
     np.testing.assert_allclose(ExtractGradient(rates), np.transpose(columns), atol=1e-7)
     assert loop.ToSymbolic() is not None
+
+
+def test_in_symbols_phi_falls_along_its_own_flow(dut, rng):
+    system = dut.ToSymbolic()
+    q = MakeVectorVariable(2, "q")
+    found = outputs(system, fixed(system, [Expression(v) for v in q]))
+    rate = Jacobian(found["phi"], q)[0] @ found["flow"]
+    for point in rng.uniform(-1.3, 1.3, (50, 2)):
+        at = dict(zip(q, point, strict=True))
+        if min(e.Evaluate(at) for e in found["beta"]) > 0.0:
+            assert rate.Evaluate(at) < 0.0
