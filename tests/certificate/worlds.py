@@ -356,15 +356,17 @@ TRAPPING = {
     ),
     "a goal on a boundary": World(
         make(10, [2, 0, 1, 1, 0]),
-        REFUTED,
-        "beta(q_d) = 0 exactly, all numbers are representable",
+        AT_BEST_REFUTED,
+        "beta(q_d) = 0 exactly, which intervals cannot tell from nearly",
         witness=(3.0, 0.0),
+        cause="tangency",
     ),
     "a goal on the rim": World(
         make(10, [0, 0, 1, 1, 0], goal=(5, 0)),
-        REFUTED,
-        "beta_0(q_d) = 0 exactly",
+        AT_BEST_REFUTED,
+        "beta_0(q_d) = 0 exactly, which intervals cannot tell from nearly",
         witness=(5.0, 0.0),
+        cause="tangency",
     ),
     "no free space at all": World(
         make(10, [0, 0, 7, 7, 0]),

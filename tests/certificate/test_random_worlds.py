@@ -1,0 +1,62 @@
+"""The certificate against brute force on random worlds."""
+
+import collections
+
+import numpy as np
+import pytest
+from basins import find_minima
+from checks import assert_sound, free_points
+from random_worlds import KINDS, random_world
+
+from bath_drake.certificate.certify import certify
+from bath_drake.certificate.result import Certificate
+
+
+def _attack(seed: int, count: int, starts: int) -> collections.Counter[str]:
+    verdicts: collections.Counter[str] = collections.Counter()
+    for i in range(count):
+        rng = np.random.default_rng([seed, i])
+        field = random_world(KINDS[i % len(KINDS)], rng)
+        found = certify(field)
+        assert_sound(found, field, rng, starts)
+        _assert_complete(found, field)
+        verdicts[found.verdict] += 1
+    return verdicts
+
+
+def _assert_complete(found: Certificate, field) -> None:
+    """All minima that brute force finds are among the traps of a refuted world."""
+    if found.verdict != "refuted" or not found.traps:
+        return
+    for root in find_minima(field):
+        nearest = min(np.hypot(t.x - root.x, t.y - root.y) for t in found.traps)
+        assert nearest < 1e-9 * 5.0, root
+
+
+def test_no_random_world_gets_a_false_verdict() -> None:
+    verdicts = _attack(seed=1, count=90, starts=30)
+    # Both verdicts must occur often, or half of the claims go untested.
+    assert min(verdicts["proved"], verdicts["refuted"]) >= 30
+    assert verdicts["undecided"] <= 1
+
+
+@pytest.mark.slow
+def test_none_of_two_thousand_random_worlds_gets_a_false_verdict() -> None:
+    verdicts = _attack(seed=2, count=2000, starts=60)
+    assert min(verdicts["proved"], verdicts["refuted"]) >= 600
+    assert verdicts["undecided"] <= 20  # 1 %; the proof aims at 0.1 %
+
+
+@pytest.mark.slow
+def test_two_hundred_starts_arrive_in_each_of_a_hundred_proved_worlds() -> None:
+    proved = 0
+    i = 0
+    while proved < 100:
+        rng = np.random.default_rng([3, i])
+        field = random_world(KINDS[i % len(KINDS)], rng)
+        i += 1
+        found = certify(field)
+        if found.passed:
+            assert_sound(found, field, rng, starts=400)
+            assert len(free_points(field, 400, rng)) >= 100
+            proved += 1
