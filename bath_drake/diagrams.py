@@ -40,6 +40,7 @@ from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
 from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker
+from bath_drake.systems.certificate_monitor import CertificateMonitor
 from bath_drake.systems.differential_ik import DifferentialIk
 from bath_drake.systems.hold_supervisor import HoldSupervisor
 from bath_drake.systems.loop_monitor import LoopMonitor
@@ -57,6 +58,9 @@ LOGGED_PORTS = (
     ("approach_sequencer", "phase"),
     ("approach_sequencer", "standoff"),
     ("hold_supervisor", "hold_reason"),
+    ("certificate_monitor", "certificate_verdict"),
+    ("certificate_monitor", "certificate_seconds"),
+    ("certificate_monitor", "certified_start"),
     ("differential_ik", "joint_command"),
     ("plant", "arm_state"),
     ("patient_motion", "body_pose"),
@@ -228,14 +232,14 @@ def _add_control(
     builder: DiagramBuilder, scenario: Scenario, skill: Skill
 ) -> dict[str, Any]:
     control = scenario.control
+    camera_period = 1.0 / scenario.perception.camera_rate
     arm = make_control_plant(scenario.scene.arm)
     systems = _add_all(
         builder,
         {
             "virtual_obstacle_source": VirtualObstacleSource(field=skill.field),
-            "world_reconciler": WorldReconciler(
-                period=1.0 / scenario.perception.camera_rate
-            ),
+            "world_reconciler": WorldReconciler(period=camera_period),
+            "certificate_monitor": CertificateMonitor(period=camera_period),
             "navigation_controller": NavigationController(
                 washing_speed=control.washing_speed, slow_radius=control.slow_radius
             ),
@@ -258,20 +262,20 @@ def _add_control(
         },
     )
     world = systems["world_reconciler"]
+    proof = systems["certificate_monitor"]
     controller = systems["navigation_controller"]
     reference = systems["canonical_reference"]
     approach = systems["approach_sequencer"]
     surface = systems["surface_reference"]
     ik = systems["differential_ik"]
-    nozzle = systems["nozzle_kinematics"]
     tracker = systems["canonical_tracker"]
     supervisor = systems["hold_supervisor"]
     monitor = systems["loop_monitor"]
     for source, port, sinks in (
         (systems["virtual_obstacle_source"], "navigation_field", [world, monitor]),
-        (world, "world_status", [supervisor]),
+        (proof, "world_status", [supervisor]),
         (controller, "canonical_velocity", [reference]),
-        (reference, "canonical_reference", [surface, world]),
+        (reference, "canonical_reference", [surface, world, proof]),
         (tracker, "canonical_position", [reference, monitor]),
         (approach, "phase", [reference, monitor]),
         (approach, "standoff", [surface, tracker]),
@@ -279,15 +283,17 @@ def _add_control(
         (surface, "surface_patch", [monitor]),
         (surface, "surface_status", [supervisor]),
         (ik, "ik_status", [supervisor]),
-        (nozzle, "nozzle_pose", [tracker, approach, monitor]),
+        (systems["nozzle_kinematics"], "nozzle_pose", [tracker, approach, monitor]),
         (supervisor, "hold", [ik, reference, approach]),
     ):
         _connect(builder, source, port, sinks)
-    for port, name in (
-        ("reconciled_field", "navigation_field"),
-        ("reconciled_obstacles", "sensed_obstacles"),
+    for port, name, sinks in (
+        ("reconciled_field", "navigation_field", [controller, proof]),
+        ("reconciled_obstacles", "sensed_obstacles", [controller, proof]),
+        ("world_status", "reconciler_status", [proof]),
     ):
-        builder.Connect(world.GetOutputPort(port), controller.GetInputPort(name))
+        for sink in sinks:
+            builder.Connect(world.GetOutputPort(port), sink.GetInputPort(name))
     # The flow is asked where the reference is; see bath_drake.control.reference.
     builder.Connect(
         reference.GetOutputPort("canonical_reference"),

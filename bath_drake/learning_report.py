@@ -125,6 +125,6 @@ def _draw_curve(axes: Axes, result: LearningResult) -> None:
     axes.grid(visible=True, which="both", color="0.9", lw=0.6)
     axes.legend(loc="upper right", fontsize=9)
     axes.set_title(
-        f"Fréchet to the mean {figures['to_mean']:.4f}, {result.check.verdict}, "
+        f"Fréchet to the mean {figures['to_mean']:.4f}, {result.certificate.verdict}, "
         f"{result.seconds:.1f} s"
     )

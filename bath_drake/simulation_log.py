@@ -26,6 +26,10 @@ class SimulationLog:
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
         hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
+        certificate_verdict: (T,) a `bath_drake.control.certified_world.WorldVerdict`
+            each: of the world in force.
+        certificate_seconds: (T,) what its proof took, s.
+        certified_start: (T, 2) where the reference was then, in N.
         arm_state: (T, 14) joint positions and velocities, rad and rad/s.
         joint_command: (T, 14) the commanded ones.
         nozzle_pose: (T, 7) X_WE as quaternion w, x, y, z and position, m.
@@ -55,6 +59,9 @@ class SimulationLog:
     phase: FloatArray
     standoff: FloatArray
     hold_reason: FloatArray
+    certificate_verdict: FloatArray
+    certificate_seconds: FloatArray
+    certified_start: FloatArray
     arm_state: FloatArray
     joint_command: FloatArray
     nozzle_pose: FloatArray

@@ -2,8 +2,9 @@
 
 A skill file has the keys schema_version, field, start, seed, config,
 demonstration_hashes, canonical, mean_demonstration, scale, frechet, certificate
-and checksum. Floats come back to the last bit. A field block may stand in any
-YAML file::
+and checksum. Floats come back to the last bit. The certificate names the field it
+is about by a checksum of the `field` block: one of another field is refused. Files
+of version 1 held no such checksum. A field block may stand in any YAML file::
 
     field:
       workspace: {centre: [0, 0], semi_axes: [5, 5], power: 2}
@@ -13,29 +14,32 @@ YAML file::
         - {centre: [0, 0], semi_axes: [1, 1], angle: 0, exponent: 1}
 """
 
-import hashlib
-import json
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 
+from bath_drake.certificate.result import Certificate
+from bath_drake.certificate_file import (
+    certificate_to_mapping,
+    content_checksum,
+    take_certificate,
+)
 from bath_drake.demonstrations.canonical import (
     CanonicalDemonstration,
     CanonicalFrame,
     FrameKind,
 )
 from bath_drake.errors import SkillFileError
-from bath_drake.field.critical_points import FieldCheck
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.learning.learner import LearningResult
 from bath_drake.learning.skill import Skill
 from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 CHECKSUM = "checksum"
 
 
@@ -43,19 +47,33 @@ def save_skill(path: str | Path, skill: Skill) -> None:
     """Writes a skill file whole, or leaves what was there.
 
     Raises:
-        SkillFileError: When the file cannot be written.
-        ValueError: When `config` or `certificate` holds what YAML cannot.
+        SkillFileError: When the file cannot be written, or the skill's certificate is
+            not about its field.
+        ValueError: When `config` holds what YAML cannot.
     """
     data = skill_to_mapping(skill)
-    text = f"{dump_yaml(data)}{CHECKSUM}: {_checksum(data)}\n"
+    certificate = data["certificate"]
+    inner = Block(certificate, str(path), "certificate", SkillFileError)
+    take_certificate(inner, data["field"])
+    text = f"{dump_yaml(data)}{CHECKSUM}: {content_checksum(data)}\n"
     write_atomically(path, text, error=SkillFileError)
 
 
-def load_skill(path: str | Path) -> Skill:
-    """Reads a skill file; raises SkillFileError naming file and key."""
+def load_skill(path: str | Path, *, renew: bool = False) -> Skill:
+    """Reads a skill file.
+
+    Args:
+        path: The file.
+        renew: Do not look at the certificate, and take files of version 1 too: the
+            skill comes with none and can be given one (`certified`).
+
+    Raises:
+        SkillFileError: Naming file and key; also where the certificate in the file is
+            about another field than the file's.
+    """
     data = read_yaml(path, error=SkillFileError)
     block = Block(data, str(path), error=SkillFileError)
-    _check_version(block)
+    _check_version(block, renew)
     _check_checksum(block, data)
     start = block.take_list("start", float, 2)
     seed = block.take("seed", int)
@@ -66,8 +84,13 @@ def load_skill(path: str | Path) -> Skill:
     scale = block.take("scale", float)
     figures = block.take_block("frechet")
     frechet = {key: figures.take(key, float) for key in data["frechet"]}
-    certificate = block.take("certificate", dict)
     field = _take_field(block, data)
+    certificate = block.take("certificate", dict)
+    if renew:
+        certificate = {}
+    else:
+        inner = Block(certificate, str(path), "certificate", SkillFileError)
+        take_certificate(inner, field_to_mapping(field))
     block.finish()
     try:
         return Skill(
@@ -106,6 +129,12 @@ def is_skill_file(path: str | Path) -> bool:
     return "schema_version" in read_yaml(path, error=SkillFileError)
 
 
+def certified(skill: Skill, certificate: Certificate) -> Skill:
+    """Returns the skill with a certificate that was made of its field."""
+    block = certificate_to_mapping(certificate, field_to_mapping(skill.field))
+    return replace(skill, certificate=block)
+
+
 def skill_from_result(
     result: LearningResult,
     demonstrations: Sequence[CanonicalDemonstration],
@@ -122,25 +151,10 @@ def skill_from_result(
         mean_demonstration=result.mean_demonstration,
         scale=result.scale,
         frechet=dict(result.frechet),
-        certificate=check_to_mapping(result.check),
+        certificate=certificate_to_mapping(
+            result.certificate, field_to_mapping(result.field)
+        ),
     )
-
-
-def check_to_mapping(check: FieldCheck) -> dict[str, Any]:
-    """A check as a tree of plain values, without the time it took."""
-    witness = check.witness
-    return {
-        "verdict": check.verdict,
-        "reason": check.reason,
-        "critical_points": [
-            {"x": float(p.x), "y": float(p.y), "kind": p.kind}
-            for p in check.critical_points
-        ],
-        "witness": None
-        if witness is None
-        else {"x": float(witness[0]), "y": float(witness[1])},
-        "notes": list(check.notes),
-    }
 
 
 def skill_to_mapping(skill: Skill) -> dict[str, Any]:
@@ -246,29 +260,28 @@ def _take_canonical(block: Block) -> CanonicalFrame:
         block.fail("", str(problem))
 
 
-def _check_version(block: Block) -> None:
+def _check_version(block: Block, renew: bool) -> None:
     version = block.take("schema_version", int)
-    if version != SCHEMA_VERSION:
-        block.fail(
-            "schema_version", f"found {version}, this version reads {SCHEMA_VERSION}"
+    if version == SCHEMA_VERSION or (renew and version == 1):
+        return
+    message = f"found {version}, this version reads {SCHEMA_VERSION}"
+    if version == 1:
+        message += (
+            "; a version 1 certificate is no proof and names no field: "
+            "`bath-drake certify --renew` makes it anew"
         )
+    block.fail("schema_version", message)
 
 
 def _check_checksum(block: Block, data: dict[str, Any]) -> None:
     found = block.take(CHECKSUM, str)
-    expected = _checksum({key: data[key] for key in data if key != CHECKSUM})
+    expected = content_checksum({key: data[key] for key in data if key != CHECKSUM})
     if found != expected:
         block.fail(
             CHECKSUM,
             f"found {found[:24]!r}, but the content gives {expected[:24]!r}: the file "
             "was changed or damaged after it was written",
         )
-
-
-def _checksum(data: dict[str, Any]) -> str:
-    """The hash of a tree of plain values, whatever the order of its keys."""
-    text = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 
 
 def _plain(value: Any) -> Any:

@@ -24,6 +24,7 @@ ORDER = (
     ("yaml_io",),
     ("schema", "field"),
     ("certificate",),
+    ("certificate_file",),
     ("perception",),
     ("demonstrations",),
     ("learning", "safety", "patient"),

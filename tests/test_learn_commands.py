@@ -4,12 +4,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bath_drake.certificate.certify import certify, certify_from
+from bath_drake.certificate_file import content_checksum
 from bath_drake.cli import main
 from bath_drake.demonstrations.canonical import CanonicalFrame
 from bath_drake.demonstrations.recording import read_recording
-from bath_drake.field.critical_points import check_field
 from bath_drake.resources import models_folder
-from bath_drake.skill_file import field_from_mapping, load_skill, save_skill
+from bath_drake.skill_file import (
+    certified,
+    field_from_mapping,
+    load_skill,
+    save_skill,
+    skill_to_mapping,
+)
 from bath_drake.yaml_io import dump_yaml
 
 DEMONSTRATIONS = sorted(
@@ -60,6 +67,12 @@ def write_world(folder, world):
     return str(path)
 
 
+def with_field(skill, world):
+    """The skill with another field and its certificate."""
+    field = field_from_mapping(world)
+    return certified(replace(skill, field=field), certify(field))
+
+
 def refused(capsys, *words):
     """Runs a bad command; its one line on standard error."""
     try:
@@ -77,7 +90,7 @@ def test_learning_writes_a_skill_that_knows_its_data_and_a_picture(skill, arc):
     learned = load_skill(skill)
     assert learned.demonstration_hashes == (read_recording(arc).sha256,)
     assert learned.canonical.kind == "planar"
-    assert learned.certificate["verdict"] == "numeric-pass"
+    assert learned.certificate["verdict"] == "proved"
     assert learned.frechet["to_mean"] <= 0.1
     assert len(learned.field.obstacles) == 2
     picture = skill.with_suffix(".png")
@@ -167,11 +180,10 @@ def test_learning_continues_from_nothing_else(skill, arc, tmp_path, capsys):
     foreign = tmp_path / "foreign.yaml"
     save_skill(foreign, replace(learned, demonstration_hashes=("0" * 64,)))
     wide = tmp_path / "wide.yaml"
-    save_skill(wide, replace(learned, field=field_from_mapping(WORLD)))
+    save_skill(wide, with_field(learned, WORLD))
     odd = tmp_path / "odd.yaml"
     row = WORLD["obstacles"][0] | {"exponent": 2.0}
-    powered = field_from_mapping(WORLD | {"obstacles": [row]})
-    save_skill(odd, replace(learned, field=powered))
+    save_skill(odd, with_field(learned, WORLD | {"obstacles": [row]}))
     damaged = tmp_path / "damaged.yaml"
     damaged.write_text(skill.read_text().replace("seed: 0", "seed: 7"))
     contents = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
@@ -211,7 +223,7 @@ def test_a_skill_is_reproduced_from_its_start_to_its_goal(skill, tmp_path, capsy
     assert main(["reproduce", str(skill), "--start", *start, "-o", str(path)]) == 0
     output = capsys.readouterr().out
     assert "arrived" in output
-    assert "verdict  numeric-pass" in output
+    assert "verdict  proved" in output
     header, *lines = path.read_text().splitlines()
     rows = np.array([line.split(",") for line in lines], dtype=np.float64)
     assert header == "t,x,y"
@@ -242,14 +254,14 @@ def test_another_goal_is_another_world_with_its_own_verdict(skill, capsys):
     behind = np.array([x - 2 * a * np.sin(angle), y + 2 * a * np.cos(angle)])
     words = ["--start", "-0.5", "0.5", "--goal", *(repr(float(v)) for v in behind)]
     main(["reproduce", str(skill), *words])
-    check = check_field(learned.field.with_goal(behind), [-0.5, 0.5])
-    assert f"verdict  {check.verdict}: {check.reason}" in capsys.readouterr().out
+    found = certify_from(learned.field.with_goal(behind), [-0.5, 0.5])
+    assert f"verdict  {found.verdict}: {found.reason}" in capsys.readouterr().out
 
 
 def test_a_trapped_roll_out_is_told_by_the_exit_code(skill, tmp_path, capsys):
     learned = load_skill(skill)
     path = tmp_path / "trap.yaml"
-    save_skill(path, replace(learned, field=field_from_mapping(TRAP)))
+    save_skill(path, with_field(learned, TRAP))
     assert main(["reproduce", str(path), "--start", "-3", "0"]) == 1
     output = capsys.readouterr().out
     assert "trapped" in output
@@ -287,7 +299,7 @@ def test_a_valid_world_passes_and_its_saddle_is_told(tmp_path, capsys):
     path = write_world(tmp_path, WORLD)
     assert main(["certify", path]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["verdict"] == "numeric-pass"
+    assert found["verdict"] == "proved"
     assert found["witness"] is None
     assert found["seconds"] > 0.0
     (saddle,) = found["critical_points"]
@@ -304,8 +316,12 @@ def test_a_trap_is_refuted_and_its_minimum_is_the_witness(tmp_path, capsys):
     assert "refuted" in capsys.readouterr().out
     found = json.loads(certificate.read_text())
     assert found["verdict"] == "refuted"
-    minima = [p for p in found["critical_points"] if p["kind"] == "minimum"]
-    assert {k: minima[0][k] for k in ("x", "y")} == found["witness"]
+    (trap,) = found["traps"]
+    for axis in ("x", "y"):
+        low, high = trap["box"][axis]
+        assert low <= trap[axis] <= high
+        assert low <= found["witness"][axis] <= high
+    assert (tmp_path / "certificate.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_skill_whose_start_is_in_an_obstacle_is_refuted(skill, tmp_path, capsys):
@@ -315,6 +331,45 @@ def test_a_skill_whose_start_is_in_an_obstacle_is_refuted(skill, tmp_path, capsy
     save_skill(path, replace(learned, start=learned.field.obstacles.theta[0, :2]))
     assert main(["certify", str(path), "-o", str(tmp_path / "c.json")]) == 1
     assert json.loads((tmp_path / "c.json").read_text())["verdict"] == "refuted"
+
+
+def test_a_skill_in_a_field_that_traps_is_told_what_its_own_start_reaches(
+    skill, tmp_path, capsys
+):
+    path = tmp_path / "skill.yaml"
+    save_skill(path, replace(with_field(load_skill(skill), TRAP), start=[2.0, 1.0]))
+    assert main(["certify", str(path)]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["verdict"] == "refuted"
+    assert found["from_start"]["verdict"] == "proved"
+    assert found["from_start"]["region"] is not None
+
+
+def test_the_picture_goes_beside_the_certificate_or_where_it_is_told(
+    skill, tmp_path, capsys
+):
+    world = write_world(tmp_path, WORLD)
+    certificate, picture = tmp_path / "c.json", tmp_path / "p.png"
+    words = ["certify", world, "-o", str(certificate), "--picture", str(picture)]
+    assert main(words) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert not (tmp_path / "c.png").exists()
+    capsys.readouterr()
+    # Alone, it leaves the JSON on standard output.
+    assert main(["certify", str(skill), "--picture", str(picture)]) == 0
+    assert json.loads(capsys.readouterr().out)["verdict"] == "proved"
+
+
+def test_a_skill_of_version_1_is_renewed_and_its_field_kept(skill, tmp_path, capsys):
+    old = skill_to_mapping(load_skill(skill)) | {
+        "schema_version": 1,
+        "certificate": {"verdict": "numeric-pass"},
+    }
+    path = tmp_path / "old.yaml"
+    path.write_text(dump_yaml(old | {"checksum": content_checksum(old)}))
+    assert "certify --renew" in refused(capsys, "certify", path)
+    assert main(["certify", str(path), "--renew"]) == 0
+    assert path.read_bytes() == skill.read_bytes()
 
 
 def test_bad_certification_input_is_refused(skill, tmp_path, capsys):
@@ -327,5 +382,8 @@ def test_bad_certification_input_is_refused(skill, tmp_path, capsys):
         ((damaged,), "checksum"),
         ((world, "-o", tmp_path / "absent" / "c.json"), "does not exist"),
         ((world, "-o", tmp_path), "not the name of a file"),
+        ((world, "-o", tmp_path / "c.png"), "expected a name ending .json"),
+        ((world, "--picture", tmp_path / "absent" / "c.png"), "does not exist"),
+        ((world, "--renew"), "--renew is for skills"),
     ]:
         assert message in refused(capsys, "certify", *words)

@@ -13,6 +13,7 @@ from write_wiring import shipped_diagram
 
 from bath_drake import diagrams
 from bath_drake.control.approach import Phase
+from bath_drake.control.certified_world import WorldVerdict
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.resources import models_folder
 from bath_drake.run_folder import write_metrics
@@ -58,6 +59,20 @@ def test_the_closed_loop_passes_its_verification(judged):
     assert evaluation.metrics["verdict"] == "pass"
     assert log.outcome == "GOAL_REACHED"
     assert log.time[-1] < scenario.duration
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_the_arm_moves_in_proved_worlds_alone(judged):
+    _, log, evaluation = judged
+    moving = log.hold_reason == HoldReason.NONE
+    assert moving.any()
+    assert (log.certificate_verdict[moving] == WorldVerdict.PROVED).all()
+    certificate = evaluation.metrics["certificate"]
+    assert certificate["verdict"] == "proved"
+    assert certificate["proofs"] >= 1
+    # A camera period is 33 ms: a world is proved before the next frame.
+    assert certificate["proof_seconds"]["max"] < 0.2
 
 
 @pytest.mark.slow

@@ -1,16 +1,20 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bath_drake.certificate.result import Certificate
+from bath_drake.certificate_file import content_checksum
 from bath_drake.demonstrations.canonical import CanonicalFrame
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.learning.skill import Skill
 from bath_drake.skill_file import (
-    _checksum,
+    certified,
     field_from_mapping,
     field_to_mapping,
     is_skill_file,
@@ -23,6 +27,7 @@ from bath_drake.yaml_io import dump_yaml, parse_yaml
 
 NUMBER = st.floats(-1e6, 1e6)
 POSITIVE = st.floats(1e-6, 1e6)
+CERTIFICATE = Certificate("proved", "no trap", notes=("made up",), boxes=7)
 FIELD_FILE = """
 about: any YAML may hold a field
 field:
@@ -65,13 +70,8 @@ def make_skill(field=None, **changes):
         "mean_demonstration": np.array([[-0.3, 1e-17], [0.1, 0.7], [1 / 3, 0.0]]),
         "scale": 4 / 3,
         "frechet": {"to_mean": 0.1 / 3, "cost": 0.02},
-        "certificate": {
-            "verdict": "numeric-pass",
-            "critical_points": [],
-            "witness": None,
-        },
     }
-    return Skill(**(values | changes))
+    return certified(Skill(**(values | changes)), CERTIFICATE)
 
 
 @pytest.fixture
@@ -201,7 +201,7 @@ def test_a_field_in_a_damaged_skill_is_refused(saved):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda d: d.update(schema_version=2), "schema_version: found 2, .* reads 1"),
+        (lambda d: d.update(schema_version=3), "schema_version: found 3, .* reads 2$"),
         (lambda d: d.update(extra=1), "extra: unknown key, allowed: schema_version"),
         (lambda d: d.update(start=[1.0]), "start: found 1 items, expected 2"),
         (lambda d: d.update(scale=0.0), "file: scale must be positive"),
@@ -213,6 +213,9 @@ def test_a_field_in_a_damaged_skill_is_refused(saved):
             "canonical: scales must be",
         ),
         (lambda d: d["canonical"].update(kind="planar"), "canonical.origin: found 3"),
+        (lambda d: d["certificate"].pop("verdict"), "certificate.verdict: is missing"),
+        (lambda d: d["certificate"].update(verdict="fine"), "verdict: found 'fine'"),
+        (lambda d: d.update(certificate={}), "certificate.field_checksum: is missing"),
         (lambda d: d.update(demonstration_hashes=[1]), r"hashes\[0\]: found 1"),
     ],
 )
@@ -222,7 +225,7 @@ def test_a_skill_with_a_right_checksum_but_wrong_content_is_refused(
     data = skill_to_mapping(make_skill())
     change(data)
     path = tmp_path / "skill.yaml"
-    path.write_text(dump_yaml(data | {"checksum": _checksum(data)}))
+    path.write_text(dump_yaml(data | {"checksum": content_checksum(data)}))
     with pytest.raises(SkillFileError, match=message):
         load_skill(path)
 
@@ -233,3 +236,53 @@ def test_an_unwritable_skill_leaves_no_trace(tmp_path):
     with pytest.raises(ValueError, match="cannot be written as YAML"):
         save_skill(tmp_path / "s.yaml", make_skill(config={"a": np.inf}))
     assert list(tmp_path.iterdir()) == []
+
+
+def written(path, data):
+    path.write_text(dump_yaml(data | {"checksum": content_checksum(data)}))
+    return path
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda field: field.update(kappa=4.5),
+        lambda field: field.update(goal=[2.0, 0.0]),
+        lambda field: field["obstacles"].clear(),
+        lambda field: field["workspace"].update(power=4),
+    ],
+)
+def test_a_skill_whose_certificate_is_of_another_field_is_refused(tmp_path, change):
+    data = skill_to_mapping(make_skill())
+    certified_of = data["certificate"]["field_checksum"]
+    change(data["field"])
+    path = written(tmp_path / "skill.yaml", data)
+    message = r"certificate.field_checksum: found 'sha256:.*another field.*--renew"
+    with pytest.raises(SkillFileError, match=message) as caught:
+        load_skill(path)
+    assert certified_of[:20] in str(caught.value)
+
+
+def test_a_skill_with_another_fields_certificate_is_not_even_saved(tmp_path):
+    skill = make_skill()
+    other = replace(skill, field=replace(skill.field, kappa=9.0))
+    with pytest.raises(SkillFileError, match="about another field"):
+        save_skill(tmp_path / "skill.yaml", other)
+    with pytest.raises(SkillFileError, match="field_checksum: is missing"):
+        save_skill(tmp_path / "skill.yaml", replace(skill, certificate={}))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_skill_of_version_1_is_refused_with_the_way_to_renew_it(tmp_path):
+    skill = make_skill()
+    old = skill_to_mapping(skill) | {
+        "schema_version": 1,
+        "certificate": {"verdict": "numeric-pass", "critical_points": []},
+    }
+    path = written(tmp_path / "skill.yaml", old)
+    with pytest.raises(SkillFileError, match=r"found 1, .*reads 2; .* --renew"):
+        load_skill(path)
+    renewed = certified(load_skill(path, renew=True), CERTIFICATE)
+    save_skill(path, renewed)
+    assert load_skill(path).field == skill.field
+    assert load_skill(path).certificate == skill.certificate

@@ -9,10 +9,12 @@ from made_up_run import PROMISED_METRICS, make_log, make_skill
 from pydrake.common.eigen_geometry import Quaternion
 
 from bath_drake.control.approach import Phase
+from bath_drake.control.certified_world import WorldVerdict
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.field.parameters import pack_field
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.patient.people import load_person
+from bath_drake.safety.hold import HoldReason
 from bath_drake.scenario import Scenario
 from bath_drake.scene.config import WoundConfig
 from bath_drake.verification import evaluate, pose_from_row, versions, wound_outlines
@@ -192,6 +194,36 @@ def test_a_world_whose_goal_is_covered_is_refuted(perfect, skill):
     world = skill.field.with_obstacles(ObstacleSet(cover))
     log = driven_in(perfect, world)
     assert failed(log, skill) == {"certificate"}
+
+
+def test_a_world_that_traps_elsewhere_passes_by_the_proof_of_its_start(perfect, skill):
+    # Broadside to the goal, beside the way: what starts behind it is trapped.
+    wall = np.array([[-0.9, 0.75, 0.04, 0.35, 0.0]])
+    log = driven_in(perfect, skill.field.with_obstacles(ObstacleSet(wall)))
+    assert failed(log, skill) == set()
+    certificate = evaluate(log, Scenario(), skill).metrics["certificate"]
+    assert certificate["verdict"] == "proved"
+    assert certificate["covers"] == "this start"
+
+
+def test_a_move_without_proof_fails_and_a_hold_without_proof_does_not(perfect, skill):
+    moving = perfect.hold_reason == HoldReason.NONE
+    for samples, names in ((moving, {"moved_unproved"}), (~moving, set())):
+        k = np.flatnonzero(samples)[-1]
+        verdict = perfect.certificate_verdict.copy()
+        verdict[k] = WorldVerdict.REFUTED
+        assert failed(replace(perfect, certificate_verdict=verdict), skill) == names
+
+
+def test_every_proof_of_the_run_is_counted_with_its_time(perfect, skill):
+    certificate = evaluate(perfect, Scenario(), skill).metrics["certificate"]
+    assert certificate["proofs"] == 2
+    assert certificate["proof_seconds"] == {"mean": 0.005, "max": 0.006}
+    unknown = np.full_like(perfect.certificate_verdict, WorldVerdict.UNKNOWN)
+    log = replace(perfect, certificate_verdict=unknown, hold_reason=unknown + 1.0)
+    certificate = evaluate(log, Scenario(), skill).metrics["certificate"]
+    assert certificate["proofs"] == 0
+    assert certificate["proof_seconds"] == {"mean": None, "max": None}
 
 
 def test_a_run_that_never_washed_fails_without_a_number(perfect, skill):

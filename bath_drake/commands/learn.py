@@ -173,7 +173,7 @@ def _table(
         f"C                {figures['cost']:.4f} (spread of the demonstrations "
         f"{figures['floor']:.4f})",
         f"obstacles        {len(result.field.obstacles)}",
-        f"verdict          {result.check.verdict}: {result.check.reason}",
+        f"verdict          {result.certificate.verdict}: {result.certificate.reason}",
         f"seconds          {result.seconds:.1f}",
     ]
     for demonstration, distance in zip(

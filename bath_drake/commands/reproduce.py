@@ -39,13 +39,13 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if the goal is reached, 1 if not.
 
     The times are those of a nozzle at `SPEED` over a body as large as the
-    demonstrations'. The world with these ends is checked anew; its verdict is
-    printed, never the skill's.
+    demonstrations'. The world with these ends is certified anew, whole or else for
+    this start; its verdict is printed, never the skill's.
     """
     import numpy as np
 
+    from bath_drake.certificate.certify import certify_from
     from bath_drake.errors import BathDrakeError
-    from bath_drake.field.critical_points import check_field
     from bath_drake.field.navigation import min_beta
     from bath_drake.field.rollout import RolloutStatus, timed_rollout
     from bath_drake.skill_file import load_skill
@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
         start, field, speed=SPEED, half_extents=skill.canonical.scales
     )
     path = skill.canonical.to_demonstration(found.path) if planar else found.path
-    check = check_field(field, start)
+    certificate = certify_from(field, start)
     if options.output is not None:
         rows = np.column_stack([found.times, path]).tolist()
         lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
     print(f"goal     {found.status.name.lower().replace('_', ' ')}")
     print(f"path     {len(path)} points, length {length:.4g} ({options.frame} frame)")
     print(f"time     {found.times[-1]:.2f} s at {SPEED} m/s")
-    print(f"verdict  {check.verdict}: {check.reason}")
+    print(f"verdict  {certificate.verdict}: {certificate.reason}")
     return 0 if found.status is RolloutStatus.ARRIVED else 1
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bath_drake.certificate.certify import certify
+from bath_drake.certificate.result import Certificate
 from bath_drake.errors import BathDrakeError, DemonstrationError
-from bath_drake.field.critical_points import FieldCheck, check_field
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
 from bath_drake.field.rollout import Rollout, RolloutStatus, rollout
@@ -44,9 +45,9 @@ class LearningResult:
         cost_history: (members evaluated so far, best C over the scale so far).
         rollout: From the mean start.
         mean_demonstration: Shape (T, 2).
-        check: The numeric search for spurious critical points.
-        converged: Whether every roll-out arrives, the check passes and 'to_mean'
-            is at most 0.10.
+        certificate: Whether all free space is proved free of traps.
+        converged: Whether every roll-out arrives, which puts every start in free
+            space, the field is proved and 'to_mean' is at most 0.10.
         seconds: Time taken.
         config: What was asked for.
     """
@@ -60,7 +61,7 @@ class LearningResult:
     cost_history: tuple[tuple[int, float], ...]
     rollout: Rollout
     mean_demonstration: FloatArray
-    check: FieldCheck
+    certificate: Certificate
     converged: bool
     seconds: float
     config: LearnerConfig
@@ -75,14 +76,18 @@ class _Judged:
     to_mean: float
     distances: tuple[float, ...]
     arrives: bool
-    check: FieldCheck
+    certificate: Certificate
+
+    @property
+    def valid(self) -> bool:
+        """Whether the field is proved and every roll-out arrives."""
+        return self.arrives and self.certificate.passed
 
     @property
     def rank(self) -> tuple[bool, float]:
         """Valid fields first, then the closer; an obstacle costs 0.0005."""
-        valid = self.arrives and self.check.passed
         badness = self.to_mean + float(np.mean(self.distances))
-        return not valid, badness + 0.001 * len(self.field.obstacles)
+        return not self.valid, badness + 0.001 * len(self.field.obstacles)
 
 
 def learn_skill(
@@ -136,11 +141,10 @@ def learn_skill(
             judged = _judge(field, strokes)
             if best is None or judged.rank < best.rank:
                 best = judged
-        if best is not None and not best.rank[0] and best.to_mean <= config.target:
+        if best is not None and best.valid and best.to_mean <= config.target:
             break
     assert best is not None  # counts and candidates are never empty
     journal.finish()
-    good = best.arrives and best.check.passed
     return LearningResult(
         field=best.field,
         start=strokes.points[:, 0].mean(axis=0),
@@ -156,8 +160,8 @@ def learn_skill(
         cost_history=tuple(journal.history),
         rollout=best.main,
         mean_demonstration=strokes.mean,
-        check=best.check,
-        converged=good and best.to_mean <= CONVERGED_FRECHET,
+        certificate=best.certificate,
+        converged=best.valid and best.to_mean <= CONVERGED_FRECHET,
         seconds=time.perf_counter() - begin,
         config=config,
     )
@@ -231,5 +235,5 @@ def _judge(field: NavigationField, strokes: StrokeSet) -> _Judged:
         to_mean=discrete_frechet(main.path, strokes.mean) / strokes.scale,
         distances=distances,
         arrives=all(r.status is RolloutStatus.ARRIVED for r in [main, *own]),
-        check=check_field(field, starts),
+        certificate=certify(field),
     )

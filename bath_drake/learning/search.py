@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from bath_drake.field.critical_points import check_field
-from bath_drake.field.navigation import NavigationField
+from bath_drake.certificate.certify import certify
+from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.learning import genome, shooting
 from bath_drake.learning._threads import parallel_map, split
 from bath_drake.learning.config import LearnerConfig
@@ -210,7 +210,7 @@ def _distinct(xs: FloatArray, costs: FloatArray) -> list[FloatArray]:
 
 
 def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
-    """Fine windows, then nearly the Fréchet distance; mends what the check refutes."""
+    """Fine windows, then nearly the Fréchet distance; mends what is not proved."""
     strokes = problem.strokes.points
     windows = shooting.whole_strokes(strokes, 0.8)
     windows += shooting.cut_windows(strokes, 10, 5, 0.2)
@@ -221,7 +221,7 @@ def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
             x, _, n = shooting.fit(x, problem, windows, power=power, mu=mu)
             evaluations += n
         found = genome.decode(x, problem.workspace, problem.strokes.goal)
-        if attempt == _REPAIRS or check_field(found, strokes[:, 0]).passed:
+        if attempt == _REPAIRS or _sound(found, strokes[:, 0]):
             break
         m = problem.margins
         # Spurious minima go as kappa grows and slits widen.
@@ -233,3 +233,8 @@ def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
         )
         problem = replace(problem, margins=wider)
     return x, evaluations
+
+
+def _sound(found: NavigationField, starts: FloatArray) -> bool:
+    """Whether all starts are in free space and that is proved free of traps."""
+    return bool((min_beta(starts, found) > 0.0).all()) and certify(found).passed

@@ -27,7 +27,8 @@ class Skill:
         scale: Longest side of the demonstrations' joint box, in N; Fréchet
             figures are divided by it.
         frechet: Figures as in `LearningResult.frechet`.
-        certificate: What a check of the field said, plain values.
+        certificate: What was proved of the field, plain values (see
+            `bath_drake.certificate_file`).
 
     Raises:
         ValueError: The start or the mean demonstration is not finite and of its

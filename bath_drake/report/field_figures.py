@@ -15,7 +15,7 @@ from bath_drake.field.navigation import (
     ln_phi,
     min_beta,
 )
-from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.notation import FloatArray
 from bath_drake.report import style
 
@@ -67,8 +67,8 @@ def draw_field(
     """
     figure = style.new_figure(5.4)
     left, right = figure.subplots(1, 2, width_ratios=[1.12, 1.0])
-    _draw_flow(left, field, figure)
-    _draw_obstacles(left, field.obstacles, "virtual obstacle")
+    draw_flow(left, field)
+    draw_obstacles(left, field.obstacles, "virtual obstacle")
     left.plot(*rollout.T, color=style.REPRODUCTION, lw=2.4, label="reproduction")
     _mark_ends(left, rollout[0], field.goal)
     _canonical_axes(left, grid=False)
@@ -149,7 +149,8 @@ def draw_executed(
     return figure
 
 
-def _draw_flow(axes: Axes, field: NavigationField, figure: Figure) -> None:
+def draw_flow(axes: Axes, field: NavigationField, *, shade: bool = True) -> None:
+    """Draws level sets of ln phi, shaded or as lines alone, flow and workspace."""
     centre, semi = field.workspace.centre, field.workspace.semi_axes
     reach = 1.04 * semi
     x = np.linspace(centre[0] - reach[0], centre[0] + reach[0], _GRID)
@@ -161,7 +162,8 @@ def _draw_flow(axes: Axes, field: NavigationField, figure: Figure) -> None:
     # phi is close to 1 nearly everywhere: equal shares of the area, not equal steps.
     levels = np.unique(np.quantile(known, np.linspace(0.002, 1.0, _LEVELS)))
     if levels.size > 2:
-        axes.contourf(x, y, height, levels=levels, cmap=_HEIGHT_MAP, extend="min")
+        if shade:
+            axes.contourf(x, y, height, levels=levels, cmap=_HEIGHT_MAP, extend="min")
         axes.contour(
             x,
             y,
@@ -182,16 +184,22 @@ def _draw_flow(axes: Axes, field: NavigationField, figure: Figure) -> None:
         linewidth=0.6,
         arrowsize=0.7,
     )
-    t = np.linspace(0.0, 2.0 * np.pi, 361)
-    power = 2.0 / field.workspace.power
-    rim = np.stack([np.cos(t), np.sin(t)], axis=1)
-    rim = centre + semi * np.sign(rim) * np.abs(rim) ** power
+    rim = workspace_outline(field.workspace)
     axes.plot(*rim.T, color=style.INK, lw=1.4, label="workspace")
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(y[0], y[-1])
 
 
-def _draw_obstacles(axes: Axes, obstacles: ObstacleSet, label: str) -> None:
+def workspace_outline(workspace: Workspace) -> FloatArray:
+    """Points (n, 2) once around the workspace."""
+    t = np.linspace(0.0, 2.0 * np.pi, 361)
+    rim = np.stack([np.cos(t), np.sin(t)], axis=1)
+    rim = np.sign(rim) * np.abs(rim) ** (2.0 / workspace.power)
+    return np.asarray(workspace.centre + workspace.semi_axes * rim)
+
+
+def draw_obstacles(axes: Axes, obstacles: ObstacleSet, label: str) -> None:
+    """Draws ellipses; the legend names them once."""
     for index, outline in enumerate(obstacles.boundary(96)):
         axes.add_patch(
             Polygon(

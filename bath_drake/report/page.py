@@ -1,6 +1,5 @@
 """report.html: one page that holds everything, out of a run's folder."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,9 +12,19 @@ from bath_drake.control.approach import Phase
 from bath_drake.errors import RunFolderError
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.report import camera_figures, field_figures, style, time_figures
+from bath_drake.report.certificate_figure import draw_certificate
 from bath_drake.report.chain import ChainFigures, draw_chain
 from bath_drake.report.run_data import RunData, load_run
-from bath_drake.safety.hold import HoldReason
+from bath_drake.report.tables import (
+    certificate_rows,
+    certificate_text,
+    check_rows,
+    frechet_rows,
+    frechet_text,
+    hold_rows,
+    number,
+    provenance,
+)
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.yaml_io import write_atomically
 
@@ -80,11 +89,13 @@ def render_report(run: RunData) -> str:
         rigidity=_RIGID,
         chain=draw_chain(_chain_figures(run)),
         headline=_headline(run),
-        checks=_check_rows(run.metrics["checks"]),
+        checks=check_rows(run.metrics["checks"]),
         figures=pictures,
-        frechet=_frechet_rows(run),
-        holds=_holds(run.metrics["holds"]),
-        provenance=_provenance(run),
+        frechet=frechet_rows(run),
+        certificate=certificate_rows(run),
+        certificate_text=certificate_text(run.evaluation.world.certificate),
+        holds=hold_rows(run.metrics["holds"]),
+        provenance=provenance(run),
         command=_command(run),
         meshcat=(run.folder / "meshcat.html").is_file(),
     )
@@ -120,13 +131,21 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
             paths,
             series.mean_demonstration,
             series.rollout,
-            _frechet_text(run),
+            frechet_text(run),
         ),
         "The learned navigation field and its path on the demonstrations",
         "Left: the virtual obstacles shape the field so that its flow is the stroke. "
         "Right: the field's own path (red) on the demonstrations (blue).",
     )
-    executed = _number(run.metrics["frechet"].get("executed"))
+    world = run.evaluation.world
+    add(
+        "certificate",
+        draw_certificate(world.field, world.certificate, world.start),
+        "The world that was driven in, with its certificate",
+        "Learned and sensed obstacles together. The colours tell where roll-outs from "
+        "a grid of starts end; the dot is the start that the proof was made for.",
+    )
+    executed = number(run.metrics["frechet"].get("executed"))
     frame = run.main_keyframe
     add(
         "executed",
@@ -213,36 +232,12 @@ def _headline(run: RunData) -> list[tuple[str, str]]:
     m = run.metrics
     surface, normal = m.get("surface_error_mm", {}), m.get("normal_error_deg", {})
     return [
-        ("off the stand-off distance, mean", f"{_number(surface.get('mean'))} mm"),
-        ("axis against the true normal, mean", f"{_number(normal.get('mean'))}°"),
-        ("Fréchet, learned", _number(m["frechet"].get("learned"))),
-        ("Fréchet, executed", _number(m["frechet"].get("executed"))),
-        ("real-time factor", _number(m.get("real_time_factor"))),
+        ("off the stand-off distance, mean", f"{number(surface.get('mean'))} mm"),
+        ("axis against the true normal, mean", f"{number(normal.get('mean'))}°"),
+        ("Fréchet, learned", number(m["frechet"].get("learned"))),
+        ("Fréchet, executed", number(m["frechet"].get("executed"))),
+        ("real-time factor", number(m.get("real_time_factor"))),
     ]
-
-
-def _frechet_text(run: RunData) -> str:
-    """Learned, executed and floor, as far as the skill knows them."""
-    learned = _number(run.metrics["frechet"].get("learned"))
-    parts = [f"Fréchet {learned}"]
-    floor = run.skill.frechet.get("floor")
-    if floor is not None:
-        parts.append(f"floor {_number(floor)}")
-    return ", ".join(parts)
-
-
-def _frechet_rows(run: RunData) -> list[tuple[str, str]]:
-    """The run's figures, then what the learner noted; the raw scale last."""
-    of_run = dict(run.metrics["frechet"])
-    scale = of_run.pop("scale", None)
-    rows = [(_words(name), _number(value)) for name, value in of_run.items()]
-    rows += [
-        (f"in learning: {_words(name)}", _number(value))
-        for name, value in run.skill.frechet.items()
-    ]
-    if scale is not None:
-        rows.append(("1 stands for, in canonical units", _number(scale)))
-    return rows
 
 
 def _chain_figures(run: RunData) -> ChainFigures:
@@ -251,18 +246,18 @@ def _chain_figures(run: RunData) -> ChainFigures:
     reach = log.keyframe_reach[frame.index] if frame else (float("nan"),) * 2
     half = frame.canonical_map.half_extents if frame else np.full(2, np.nan)
     sensed = len(frame.areas) if frame else 0
-    holds = int(sum(m["holds"].values()))
+    held = int(sum(m["holds"].values()))
     return ChainFigures(
         camera=f"{int(log.frames)} frames",
         segmenter=f"{100 * reach[0]:.0f} % of it visible",
         projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm",
-        controller=f"min β {_number(m.get('min_beta'))}",
-        obstacles=f"{len(field.obstacles)} ellipses, κ {_number(field.kappa)}",
+        controller=f"min β {number(m.get('min_beta'))}",
+        obstacles=f"{len(field.obstacles)} ellipses, κ {number(field.kappa)}",
         areas=f"{sensed} found",
-        surface=f"normal {_number(m.get('normal_error_deg', {}).get('mean'))}° off",
-        ik=f"{holds} hold{'s' if holds != 1 else ''}",
-        arm=f"{_number(m.get('surface_error_mm', {}).get('mean'))} mm off",
-        tracker=f"{_number(_lag(run))} mm behind",
+        surface=f"normal {number(m.get('normal_error_deg', {}).get('mean'))}° off",
+        ik=f"{held} hold{'s' if held != 1 else ''}",
+        arm=f"{number(m.get('surface_error_mm', {}).get('mean'))} mm off",
+        tracker=f"{number(_lag(run))} mm behind",
     )
 
 
@@ -274,65 +269,6 @@ def _lag(run: RunData) -> float:
     apart = (log.canonical_reference - log.canonical_position)[log.phase == Phase.WASH]
     apart = apart * frame.canonical_map.half_extents
     return 1e3 * float(np.linalg.norm(apart, axis=1).mean()) if len(apart) else 0.0
-
-
-def _check_rows(checks: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": _words(name),
-            "value": _number(check["value"]),
-            "limit": _number(check["limit"]),
-            "passed": bool(check["pass"]),
-        }
-        for name, check in checks.items()
-    ]
-
-
-def _words(name: str) -> str:
-    """A check's key as words: units in brackets."""
-    for end, unit in (("_mm", "mm"), ("_deg", "°"), ("_s", "s"), ("_m_s", "m/s")):
-        if name.endswith(end):
-            return f"{name.removesuffix(end).replace('_', ' ')} [{unit}]"
-    return name.replace("_", " ").replace("frechet", "Fréchet")
-
-
-def _number(value: Any) -> str:
-    """A figure with three digits; a dash for none."""
-    if value is None:
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, int | np.integer):
-        return str(value)
-    if isinstance(value, float | np.floating):
-        if not np.isfinite(value):
-            return "–"
-        number = float(value)
-        return f"{number:.3g}" if abs(number) < 1000.0 else f"{number:.0f}"
-    return str(value)
-
-
-def _holds(holds: Mapping[str, float]) -> list[tuple[str, int]]:
-    names = [
-        reason.name.lower() for reason in HoldReason if reason is not HoldReason.NONE
-    ]
-    known = {str(name).lower(): int(count) for name, count in holds.items()}
-    known.pop("none", None)
-    return [(_words(n), known.get(n, 0)) for n in dict.fromkeys([*names, *known])]
-
-
-def _provenance(run: RunData) -> list[tuple[str, str]]:
-    rows = [("seed", str(run.metrics["seed"]))]
-    rows += [(str(k), str(v)) for k, v in run.metrics["versions"].items()]
-    rows += [
-        (f"demonstration {k + 1}, SHA-256", digest)
-        for k, digest in enumerate(run.skill.demonstration_hashes)
-    ]
-    verdict = run.metrics.get("certificate")
-    if isinstance(verdict, Mapping):
-        verdict = verdict.get("verdict")
-    rows.append(("field check", str(verdict)))
-    return rows
 
 
 def _command(run: RunData) -> str:

@@ -42,7 +42,7 @@ def hold_reason(
         body_found: Whether enough of the body is visible.
         surface_found: Whether the skin under the nozzle is.
         joint_solution: Whether inverse kinematics found a motion.
-        world_sound: Whether the field with all sensed areas passed its check.
+        world_sound: Whether the field with all sensed areas is proved free of traps.
         max_frame_age: Age above which a frame is stale, s.
     """
     # Time stamps in steps of a camera period accumulate rounding.

@@ -34,9 +34,9 @@ class WorldReconciler(LeafSystem):
         - world_status
 
     `reconciled_field` is the learned field, its obstacles out of the areas' way;
-    `reconciled_obstacles` are the areas. `world_status` is 1 where the check of both
-    together passed and 0 where not: then the robot must hold. The state is the world
-    in force; it is made anew when an area shows that the last one did not allow for
+    `reconciled_obstacles` are the areas. `world_status` is 1 where both together are
+    proved sound and 0 where not: then the robot must hold. The state is the world in
+    force; it is made anew when an area shows that the last one did not allow for
     (`slack` is added to each, so that a flicker is not a new world).
     """
 
@@ -108,4 +108,4 @@ class WorldReconciler(LeafSystem):
 
     def _calc_status(self, context: Any, output: BasicVector) -> None:
         world = self._in_force(context)
-        output.SetAtIndex(0, float(world is not None and world.check.passed))
+        output.SetAtIndex(0, float(world is not None and world.certificate.passed))

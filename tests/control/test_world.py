@@ -5,6 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from bath_drake.certificate.certify import certify_from
 from bath_drake.control.world import (
     GAP,
     contain,
@@ -13,7 +14,6 @@ from bath_drake.control.world import (
     left_aside,
     make_room,
 )
-from bath_drake.field.critical_points import check_field
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace, pair_gaps
 from bath_drake.field.rollout import RolloutStatus, rollout
@@ -47,17 +47,17 @@ AREAS = st.builds(
 def test_without_areas_the_learned_field_stays_as_it_is():
     world = join_areas(FIELD, NONE, START)
     assert world.virtual is FIELD
-    assert world.check.passed
+    assert world.certificate.passed
 
 
-@settings(max_examples=30)  # each makes and checks up to eighteen worlds
+@settings(max_examples=30)  # each makes up to eighteen worlds and proves some
 @given(areas=AREAS)
 def test_an_area_in_the_way_is_gone_round_to_the_goal(areas):
     # Start, area and goal in one line: the flow leads onto the saddle before the
     # area and stays there. Any nudge frees it; a world of measure zero.
     assume(abs(areas.theta[0, 1]) > 0.02)
     world = join_areas(FIELD, areas, START)
-    assert world.check.passed
+    assert world.certificate.passed
     path = rollout(START, world.field)
     assert path.status is RolloutStatus.ARRIVED
     only = NavigationField(FIELD.workspace, FIELD.goal, FIELD.kappa, areas)
@@ -82,9 +82,22 @@ def test_virtual_obstacles_make_room_and_only_ever_shrink(areas):
 def test_an_area_on_the_goal_is_refuted_with_the_plain_union():
     areas = area(0.7, 0.0, 0.2, 0.2, 0.0)
     world = join_areas(FIELD, areas, START)
-    assert not world.check.passed
-    assert "goal" in world.check.reason
-    assert world.check.verdict == check_field(world.field, START).verdict
+    assert not world.certificate.passed
+    assert "goal" in world.certificate.reason
+    assert world.certificate.verdict == certify_from(world.field, START).verdict
+
+
+def test_a_trap_the_start_cannot_reach_is_no_reason_to_hold():
+    # A wall broadside to the goal traps what comes from behind it, whatever gives
+    # way; beyond it the motion from the start is proved all the same.
+    wall, beyond = area(-0.3, 0.0, 0.05, 0.6, 0.0), np.array([0.2, 0.4])
+    world = join_areas(FIELD, wall, beyond)
+    assert world.certificate.passed
+    assert world.certificate.region is not None
+    assert rollout(beyond, world.field).status is RolloutStatus.ARRIVED
+    before = join_areas(FIELD, wall, np.array([-0.9, 0.0]))
+    assert not before.certificate.passed
+    assert before.changed == "nothing: no sound world was found"
 
 
 def test_a_path_left_nowhere_is_left_by_nothing():

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bath_drake.certificate.certify import certify
 from bath_drake.errors import BathDrakeError, DemonstrationError
-from bath_drake.field.critical_points import check_field
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.learning import shooting
@@ -30,12 +30,12 @@ def _check_consistency(result: LearningResult) -> None:
     assert result.frechet["to_mean_raw"] == pytest.approx(raw, rel=1e-12)
     assert result.frechet["to_mean"] == pytest.approx(raw / result.scale, rel=1e-12)
     assert result.frechet["cost"] == pytest.approx(np.mean(result.per_demonstration))
-    assert check_field(result.field).verdict == result.check.verdict
+    assert certify(result.field).verdict == result.certificate.verdict
     evaluations, costs = zip(*result.cost_history, strict=True)
     assert (np.diff(evaluations) >= 0).all()
     assert (np.diff(costs) <= 0).all()
     if result.converged:
-        assert result.check.passed
+        assert result.certificate.passed
         assert path.status is RolloutStatus.ARRIVED
         assert result.frechet["to_mean"] <= 0.10
 
@@ -100,7 +100,7 @@ def test_continuing_never_loses_what_was_learned(make_strokes: MakeStrokes) -> N
 
 def rank(result: LearningResult) -> tuple[bool, float]:
     """What the learner's documentation says never grows when it continues."""
-    valid = result.check.passed and result.rollout.status is RolloutStatus.ARRIVED
+    valid = result.certificate.passed and result.rollout.status is RolloutStatus.ARRIVED
     cost = result.frechet["to_mean"] + result.frechet["cost"]
     return not valid, cost + 0.001 * len(result.field.obstacles)
 

@@ -62,7 +62,7 @@ def test_the_page_loads_nothing_and_runs_nothing(page, page_text):
 
 
 def test_every_figure_of_a_plain_run_is_there_with_a_text(page):
-    assert len(_figures(page)) == 7
+    assert len(_figures(page)) == 8
     assert all(_figures(page))
 
 
@@ -85,6 +85,14 @@ def test_the_page_states_verdict_limits_of_use_and_rigidity(run_folder, page):
     assert verdict.upper() in text
     assert "not certified, not for use on people" in text
     assert "The person is rigid in this run" in text
+
+
+def test_the_page_says_what_is_proved_and_what_a_proof_does_not_cover(page):
+    text = " ".join(" ".join(page.text).split())
+    assert "Proved: " in text
+    assert "Almost every start in free space reaches the goal" in text
+    assert "It says nothing of the arm's lag" in text
+    assert "proofs during the run" in text
 
 
 def test_every_check_is_in_the_verdict_table(run_folder, page):

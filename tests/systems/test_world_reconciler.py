@@ -47,7 +47,9 @@ def test_it_gives_the_world_of_the_pure_function(dut):
     sensed = out(dut, simulator, "reconciled_obstacles")
     np.testing.assert_array_equal(sensed.theta, world.sensed.theta)
     np.testing.assert_array_equal(sensed.powers, world.sensed.powers)
-    assert out(dut, simulator, "world_status")[0] == float(world.check.passed) == 1.0
+    assert (
+        out(dut, simulator, "world_status")[0] == float(world.certificate.passed) == 1.0
+    )
 
 
 def test_a_flicker_of_an_area_is_no_new_world(dut):

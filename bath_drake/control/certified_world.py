@@ -1,0 +1,88 @@
+"""The world that is driven in, with its proof, and how long that proof holds."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from bath_drake.certificate.certify import certify_from
+from bath_drake.certificate.result import Certificate
+from bath_drake.field.navigation import NavigationField, min_beta
+from bath_drake.field.obstacles import beta
+from bath_drake.notation import FloatArray
+
+
+class WorldVerdict(IntEnum):
+    """A certificate's verdict as a number; UNKNOWN before the first."""
+
+    UNKNOWN = 0
+    PROVED = 1
+    UNDECIDED = 2
+    REFUTED = 3
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedWorld:
+    """A certificate with the world and the start it is about.
+
+    Attributes:
+        field: Virtual and sensed obstacles together.
+        start: (2,) in N, where the motion was when the proof was made.
+        certificate: Of the whole field or of all that `start` can reach.
+    """
+
+    field: NavigationField
+    start: FloatArray
+    certificate: Certificate
+
+    @property
+    def verdict(self) -> WorldVerdict:
+        """The verdict as a number."""
+        return WorldVerdict[self.certificate.verdict.upper()]
+
+    def proves(self, field: NavigationField, point: FloatArray) -> bool:
+        """Whether the certificate covers the motion from `point` (2,) in `field`.
+
+        It does so in no other field than its own. A proof of a region {psi <= c}
+        holds as long as the point is in it: psi falls along the flow, but a nozzle
+        that was pushed aside may take the reference out.
+        """
+        if not self.certificate.passed or field != self.field:
+            return False
+        region = self.certificate.region
+        if region is None:
+            return bool(min_beta(point, field) > 0.0)
+        return potential(point, field) <= region
+
+    def is_stale(self, field: NavigationField, point: FloatArray) -> bool:
+        """Whether a new certificate is due for the motion from `point` in `field`.
+
+        For another field, and for a point that moved out of what is proved.
+        """
+        if field != self.field:
+            return True
+        moved = not np.array_equal(point, self.start)
+        return moved and not self.proves(field, point)
+
+
+def certify_world(field: NavigationField, start: FloatArray) -> CertifiedWorld:
+    """Proves a world: all of it, or else what `start`, shape (2,), can reach."""
+    start = np.array(start, dtype=np.float64)
+    start.setflags(write=False)
+    return CertifiedWorld(field, start, certify_from(field, start))
+
+
+def potential(point: FloatArray, field: NavigationField) -> float:
+    """The field's psi = kappa ln gamma - sum_i w_i ln beta_i at a point (2,).
+
+    It is -inf at the goal, and inf on a boundary and outside free space.
+    """
+    q = np.asarray(point, dtype=np.float64)
+    values = np.append(beta(q, field.obstacles), field.workspace.beta(q))
+    if not (values > 0.0).all():
+        return np.inf
+    gamma = float(((q - field.goal) ** 2).sum())
+    if gamma == 0.0:
+        return -np.inf
+    powers = np.append(field.obstacles.powers, 1.0)
+    return float(field.kappa * np.log(gamma) - powers @ np.log(values))

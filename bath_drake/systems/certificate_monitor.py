@@ -1,0 +1,136 @@
+"""The proof of the world that is driven in, kept up to date, as a Drake system."""
+
+from typing import Any
+
+from pydrake.common.value import Value
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    EventStatus,
+    LeafSystem,
+    State,
+)
+
+from bath_drake.control.certified_world import (
+    CertifiedWorld,
+    WorldVerdict,
+    certify_world,
+)
+from bath_drake.field.navigation import NavigationField
+from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector, set_vector
+from bath_drake.systems.canonical_projector import FRAME_DELAY_S
+
+
+class CertificateMonitor(LeafSystem):
+    """Certifies the field anew whenever it or the sensed obstacles change.
+
+    .. pydrake_system::
+
+        name: CertificateMonitor
+        input_ports:
+        - navigation_field
+        - sensed_obstacles
+        - canonical_reference
+        - reconciler_status (optional)
+        output_ports:
+        - certified_world
+        - certificate_verdict
+        - certificate_seconds
+        - certified_start
+        - world_status
+
+    The state is the `CertifiedWorld` in force. It is made in a periodic update alone,
+    so that no reader of a port waits for a proof. `certified_world` is that world (None
+    before the first update), `certificate_verdict` a `WorldVerdict`,
+    `certificate_seconds` what the proof took and `certified_start` the reference, in
+    N, shape (2,), from which it was made.
+
+    `world_status` is 1 where the motion from the reference is proved in the very world
+    that stands at the input ports now: all of it, or the sublevel set that the
+    certificate is about. It is 0 otherwise, also where `reconciler_status` is below
+    one half, and until the next update after a change: then the robot must hold.
+    """
+
+    def __init__(self, *, period: float) -> None:
+        """Declares ports and state.
+
+        Args:
+            period: Seconds between looks; the camera's.
+
+        Raises:
+            ValueError: Unless the period is positive and finite.
+        """
+        super().__init__()
+        if not 0.0 < period < float("inf"):
+            raise ValueError(f"period must be positive and finite, got {period}")
+        self._field = self.DeclareAbstractInputPort("navigation_field", Value[object]())
+        self._sensed = self.DeclareAbstractInputPort(
+            "sensed_obstacles", Value(ObstacleSet())
+        )
+        self._p_NQ = self.DeclareVectorInputPort("canonical_reference", 2)
+        self._reconciled = self.DeclareVectorInputPort("reconciler_status", 1)
+        self._world = self.DeclareAbstractState(Value[object]())
+        state = {self.abstract_state_ticket(self._world)}
+        self.DeclareAbstractOutputPort(
+            "certified_world", Value[object], self._calc_world, state
+        )
+        for name, size, calc in (
+            ("certificate_verdict", 1, self._calc_verdict),
+            ("certificate_seconds", 1, self._calc_seconds),
+            ("certified_start", 2, self._calc_start),
+        ):
+            self.DeclareVectorOutputPort(name, size, calc, state)
+        inputs = (self._field, self._sensed, self._p_NQ, self._reconciled)
+        tickets = {self.input_port_ticket(port.get_index()) for port in inputs}
+        self.DeclareVectorOutputPort(
+            "world_status", 1, self._calc_status, state | tickets
+        )
+        # After the reconciler has made its world of the same frame.
+        self.DeclarePeriodicUnrestrictedUpdateEvent(
+            period, 4.0 * FRAME_DELAY_S, self._certify
+        )
+
+    def _in_force(self, context: Any) -> CertifiedWorld | None:
+        state: Any = context.get_abstract_state(int(self._world))
+        world = state.get_value()
+        return world if isinstance(world, CertifiedWorld) else None
+
+    def _driven(self, context: Context) -> NavigationField:
+        field = eval_value(self._field, context, NavigationField)
+        return field.with_obstacles(eval_value(self._sensed, context, ObstacleSet))
+
+    def _certify(self, context: Context, state: State) -> EventStatus:
+        field, point = self._driven(context), eval_vector(self._p_NQ, context)
+        world = self._in_force(context)
+        if world is not None and not world.is_stale(field, point):
+            return EventStatus.DidNothing()
+        state.get_mutable_abstract_state(int(self._world)).set_value(
+            certify_world(field, point)
+        )
+        return EventStatus.Succeeded()
+
+    def _calc_world(self, context: Any, output: Any) -> None:
+        output.set_value(self._in_force(context))
+
+    def _calc_verdict(self, context: Any, output: BasicVector) -> None:
+        world = self._in_force(context)
+        verdict = WorldVerdict.UNKNOWN if world is None else world.verdict
+        output.SetAtIndex(0, float(verdict))
+
+    def _calc_seconds(self, context: Any, output: BasicVector) -> None:
+        world = self._in_force(context)
+        output.SetAtIndex(0, 0.0 if world is None else world.certificate.seconds)
+
+    def _calc_start(self, context: Any, output: BasicVector) -> None:
+        world = self._in_force(context)
+        set_vector(output, [0.0, 0.0] if world is None else world.start)
+
+    def _calc_status(self, context: Any, output: BasicVector) -> None:
+        world = self._in_force(context)
+        sound = world is not None and world.proves(
+            self._driven(context), eval_vector(self._p_NQ, context)
+        )
+        if self._reconciled.HasValue(context):
+            sound = sound and eval_scalar(self._reconciled, context) > 0.5
+        output.SetAtIndex(0, float(sound))

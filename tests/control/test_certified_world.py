@@ -1,0 +1,87 @@
+"""How long, and of what, a certificate of the world that is driven in holds."""
+
+import numpy as np
+import pytest
+
+from bath_drake.certificate.certify import certify_from
+from bath_drake.certificate.result import Certificate
+from bath_drake.control.certified_world import (
+    CertifiedWorld,
+    WorldVerdict,
+    certify_world,
+    potential,
+)
+from bath_drake.field.navigation import NavigationField, ln_phi
+from bath_drake.field.obstacles import ObstacleSet, Workspace
+
+START = np.array([-0.7, 0.3])
+FIELD = NavigationField(
+    workspace=Workspace(np.zeros(2), np.full(2, 2.0)),
+    goal=np.array([0.7, 0.0]),
+    kappa=6.0,
+    obstacles=ObstacleSet(
+        np.array([[0.1, -0.3, 0.2, 0.1, 1.2]]), exponents=np.array([0.5])
+    ),
+)
+
+
+def of_region(level, verdict="proved"):
+    return CertifiedWorld(FIELD, START, Certificate(verdict, "made up", region=level))
+
+
+def test_the_world_is_certified_by_the_proof_of_its_start():
+    world = certify_world(FIELD, START)
+    found = certify_from(FIELD, START)
+    assert world.certificate.verdict == found.verdict == "proved"
+    assert world.verdict is WorldVerdict.PROVED
+    assert world.proves(FIELD, START)
+
+
+def test_a_proof_of_all_free_space_holds_anywhere_in_it_and_nowhere_else():
+    world = certify_world(FIELD, START)
+    assert world.certificate.region is None
+    assert world.proves(FIELD, np.array([0.3, 1.2]))
+    assert not world.proves(FIELD, np.array([0.1, -0.3]))  # in the obstacle
+    assert not world.proves(FIELD, np.array([3.0, 0.0]))  # outside the workspace
+
+
+def test_a_proof_is_of_no_other_world():
+    world = certify_world(FIELD, START)
+    for other in (
+        FIELD.with_goal(np.array([0.7, 1e-12])),
+        FIELD.with_obstacles(ObstacleSet(np.array([[-1.0, -1.0, 0.1, 0.1, 0.0]]))),
+    ):
+        assert not world.proves(other, START)
+        assert world.is_stale(other, START)
+
+
+def test_a_proof_of_a_region_holds_while_the_motion_is_in_it():
+    level = potential(START, FIELD)
+    world = of_region(level)
+    assert world.proves(FIELD, START)
+    assert world.proves(FIELD, np.array([0.5, 0.1]))  # further down
+    assert not world.is_stale(FIELD, np.array([0.5, 0.1]))
+    outside = START + np.array([-0.1, 0.0])
+    assert potential(outside, FIELD) > level
+    assert not world.proves(FIELD, outside)
+    assert world.is_stale(FIELD, outside)
+
+
+@pytest.mark.parametrize("verdict", ["refuted", "undecided"])
+def test_what_is_not_proved_proves_nothing_and_is_tried_again_elsewhere(verdict):
+    world = of_region(np.inf, verdict)
+    assert world.verdict is WorldVerdict[verdict.upper()]
+    assert not world.proves(FIELD, START)
+    assert not world.is_stale(FIELD, START)
+    assert world.is_stale(FIELD, START + 0.01)
+
+
+def test_the_potential_is_that_of_the_field():
+    for q in ([-0.7, 0.3], [0.2, 0.9], [-1.5, -1.0]):
+        psi = potential(np.array(q), FIELD)
+        # ln phi = -ln(1 + exp(-psi)) / kappa, to rounding.
+        phi = -np.log1p(np.exp(-psi)) / FIELD.kappa
+        np.testing.assert_allclose(phi, ln_phi(np.array(q), FIELD), rtol=1e-12)
+    assert potential(FIELD.goal, FIELD) == -np.inf
+    assert potential(np.array([0.1, -0.3]), FIELD) == np.inf
+    assert potential(np.array([2.0, 0.0]), FIELD) == np.inf
