@@ -35,7 +35,7 @@ class NavigationField:
     Attributes:
         workspace: The outer boundary.
         goal: q_d, shape (2,), in N. It may lie anywhere; whether the field is
-            a navigation function is for `critical_points.check_field` to say.
+            a navigation function is for `certificate.certify.certify` to say.
         kappa: The exponent of Eq. 1, positive.
         obstacles: The inner boundaries.
 
