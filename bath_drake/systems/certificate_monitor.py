@@ -86,9 +86,10 @@ class CertificateMonitor(LeafSystem):
         self.DeclareVectorOutputPort(
             "world_status", 1, self._calc_status, state | tickets
         )
-        # After the reconciler has made its world of the same frame.
+        # Right after the reconciler made its world of the same frame: the longer the
+        # world in force is without proof, the likelier the robot stops meanwhile.
         self.DeclarePeriodicUnrestrictedUpdateEvent(
-            period, 4.0 * FRAME_DELAY_S, self._certify
+            period, 3.1 * FRAME_DELAY_S, self._certify
         )
 
     def _in_force(self, context: Any) -> CertifiedWorld | None:
