@@ -5,10 +5,10 @@ The compiled kernels know floats only. Here the same field is written with
 own methods; nothing here knows Drake. One point at a time: batches of floats are
 what `bath_drake.field.navigation` is for.
 
-As they stand, the functions agree with that module, outside free space too, where
-they return plain floats. They differ in one thing, so that no derivative becomes
-infinite: gamma is floored at 1e-300 under a logarithm, hence psi and ln phi are
-large and negative at the goal instead of -inf.
+As they stand, the functions agree with that module, outside free space too. They
+differ in one thing, so that no derivative becomes infinite: gamma is floored at
+1e-300 under a logarithm, hence psi and ln phi are large and negative at the goal
+instead of -inf.
 
 With ``plain=True`` they compare nothing, for scalars whose comparisons are not true
 or false: a symbolic Expression becomes the formula of the paper, differentiable any
@@ -113,6 +113,19 @@ def _offset(q: Sequence[Scalar], field: GenericField) -> tuple[Scalar, Scalar, S
     return dx, dy, dx * dx + dy * dy
 
 
+def constant(value: float, q: Sequence[Scalar], field: GenericField) -> Scalar:
+    """A number as a scalar of the kind at hand.
+
+    A plain float would do by its value, but an AutoDiffXd made of it has no
+    derivatives instead of zeros, and compiled code that takes their number for
+    granted crashes (DirectCollocation does).
+    """
+    numbers = [*q, *field.centre, *field.semi_axes, *field.goal, field.kappa]
+    for row in field.rows:
+        numbers.extend(row)
+    return value + sum(0.0 * number for number in numbers)
+
+
 @_quiet
 def betas(q: Sequence[Scalar], field: GenericField) -> list[Scalar]:
     """beta_0 of the workspace, then beta_i of every obstacle; free space: all > 0."""
@@ -134,7 +147,7 @@ def psi(q: Sequence[Scalar], field: GenericField, *, plain: bool = False) -> Sca
     _, _, gamma = _offset(q, field)
     if not plain:
         if not _is_free(boundaries):
-            return np.inf
+            return constant(np.inf, q, field)
         gamma = gamma + _TINY
     return field.kappa * np.log(gamma) - _ln_beta(boundaries)
 
@@ -146,7 +159,7 @@ def ln_phi(q: Sequence[Scalar], field: GenericField, *, plain: bool = False) -> 
         return np.log(phi(q, field, plain=True))
     boundaries = _boundaries(q, field)
     if not _is_free(boundaries):
-        return 0.0
+        return constant(0.0, q, field)
     _, _, gamma = _offset(q, field)
     level = field.kappa * np.log(gamma + _TINY) - _ln_beta(boundaries)
     if level < 0.0:
@@ -170,7 +183,7 @@ def phi(q: Sequence[Scalar], field: GenericField, *, plain: bool = False) -> Sca
             beta = beta * b**w
         return gamma / (gamma**field.kappa + beta) ** (1.0 / field.kappa)
     if not _is_free(boundaries):
-        return 1.0
+        return constant(1.0, q, field)
     ln_beta = _ln_beta(boundaries)
     level = field.kappa * np.log(gamma + _TINY) - ln_beta
     if level < 0.0:
@@ -221,6 +234,7 @@ def flow_direction(
     square = x * x + y * y
     if not plain:
         if not all(b >= 0.0 for b, _, _, _ in boundaries) or not square > 0.0:
-            return 0.0, 0.0
+            zero = constant(0.0, q, field)
+            return zero, zero
     length = np.sqrt(square)
     return x / length, y / length

@@ -30,8 +30,7 @@ def NavigationFunction_(T: Any) -> Any:
     plain = T is Expression
 
     def _write(output: Any, *values: Any) -> None:
-        # A constant case comes as a plain float.
-        output.SetFromVector([v if isinstance(v, T) else T(v) for v in values])
+        output.SetFromVector(values)
 
     class Impl(LeafSystem_[T]):  # type: ignore[misc]
         """The navigation function phi of a canonical point and its flow.
@@ -130,8 +129,10 @@ def NavigationFunction_(T: Any) -> Any:
             _write(output, *generic.flow(*self._read(context)))
 
         def _calc_beta(self, context: Any, output: Any) -> None:
-            values = generic.betas(*self._read(context))
-            _write(output, *values, *[1.0] * (1 + self._room - len(values)))
+            q, field = self._read(context)
+            values = generic.betas(q, field)
+            none = generic.constant(1.0, q, field)
+            _write(output, *values, *[none] * (1 + self._room - len(values)))
 
     return Impl
 

@@ -8,9 +8,17 @@ from pydrake.autodiffutils import (
     ExtractValue,
     InitializeAutoDiff,
 )
-from pydrake.symbolic import Expression, Jacobian, MakeVectorVariable
+from pydrake.planning import DirectCollocation
+from pydrake.solvers import MathematicalProgram, Solve
+from pydrake.symbolic import (
+    Expression,
+    Jacobian,
+    MakeVectorVariable,
+    Polynomial,
+    Variables,
+)
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import DiagramBuilder, InputPortSelection
 from pydrake.systems.primitives import Integrator
 
 from bath_drake.field import generic
@@ -105,6 +113,15 @@ def test_autodiff_gives_the_gradient(dut):
     np.testing.assert_allclose(
         ExtractGradient(found["phi"])[0], grad_phi(P_NQ, FIELD), rtol=1e-12
     )
+
+
+@pytest.mark.parametrize("q", [(0.0, 0.1), (0.6, 0.0), (3.0, 3.0)])
+def test_constants_outside_free_space_carry_derivatives_too(dut, q):
+    # An AutoDiffXd without derivatives among others crashes compiled solvers.
+    system = dut.ToAutoDiffXd()
+    found = outputs(system, fixed(system, InitializeAutoDiff(q)))
+    for name in PORTS:
+        assert all(x.derivatives().shape == (2,) for x in found[name])
 
 
 def test_autodiff_parameters_give_the_sensitivity_to_the_obstacles(dut):
@@ -234,3 +251,43 @@ def test_in_symbols_phi_falls_along_its_own_flow(dut, rng):
         at = dict(zip(q, point, strict=True))
         if min(e.Evaluate(at) for e in found["beta"]) > 0.0:
             assert rate.Evaluate(at) < 0.0
+
+
+def test_direct_collocation_finds_the_roll_out(loop):
+    count, arc = 21, 1.2
+    program = DirectCollocation(
+        loop,
+        loop.CreateDefaultContext(),
+        count,
+        arc / (count - 1),
+        arc / (count - 1),
+        input_port_index=InputPortSelection.kNoInput,
+    )
+    path = rollout(P_NQ, FIELD, step=1e-3).path[:: round(1e3 * arc) // (count - 1)]
+    program.prog().AddBoundingBoxConstraint(P_NQ, P_NQ, program.initial_state())
+    for k in range(count):  # straight through an obstacle
+        guess = P_NQ + (path[count - 1] - P_NQ) * k / (count - 1)
+        program.prog().SetInitialGuess(program.state(k), guess)
+    result = Solve(program.prog())
+    assert result.is_success()
+    found = [result.GetSolution(program.state(k)) for k in range(count)]
+    # Cubic pieces of 0.06: the fourth power of it, times derivatives of order 100.
+    np.testing.assert_allclose(found, path[:count], atol=1e-3)
+
+
+@pytest.mark.parametrize(("radius", "proved"), [(0.3, True), (0.7, False)])
+def test_sums_of_squares_prove_a_neighbourhood_of_the_goal(dut, radius, proved):
+    program = MathematicalProgram()
+    d = program.NewIndeterminates(2, "d")
+    system = dut.ToSymbolic()
+    q = [x + v for x, v in zip(FIELD.goal.tolist(), d, strict=True)]
+    context = fixed(system, q)
+    flow = [e.Expand() for e in outputs(system, context)["flow"]]
+    # Within the radius d(|d|^2)/dt < 0; 0.7 reaches behind an obstacle.
+    rate = Polynomial(2.0 * (d[0] * flow[0] + d[1] * flow[1]), d)
+    square = Polynomial(d[0] ** 2 + d[1] ** 2, d)
+    multiplier, _ = program.NewSosPolynomial(Variables(d), 6)
+    program.AddSosConstraint(
+        -0.01 * rate - multiplier * (radius**2 - square) - 1e-3 * square
+    )
+    assert Solve(program).is_success() == proved
