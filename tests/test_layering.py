@@ -21,6 +21,7 @@ PURE = (
 # A module may import from its own room and from those before it.
 ORDER = (
     ("errors", "notation", "resources", "doctor"),
+    ("threads",),
     ("yaml_io",),
     ("schema", "field"),
     ("certificate",),

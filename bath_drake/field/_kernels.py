@@ -1,98 +1,80 @@
-"""Compiled kernels of the field; plain arrays in, plain arrays out.
+"""Compiled phi, its flow and derivatives at a point; plain numbers in and out.
 
-A field is handed over as four things: ``workspace`` (5,) holding the centre,
-the semi-axes and the power; ``goal`` (2,); ``kappa``; and ``forms`` (Q, 6), one
-row (cx, cy, A, B, C, w) an obstacle, from `quadratic_forms`, so that
+A field is handed over as its world (see `bath_drake.field._boundaries`), the goal
+(gx, gy) and kappa. Everything works on logarithms: the powers of the paper's Eq. 1
+overflow for the kappa a field of many obstacles needs. With
 
-    beta_i = A dx^2 + 2 B dx dy + C dy^2 - 1,
+    d = q - q_d,  gamma = |d|^2,  s = grad(beta) / beta,
 
-with exponent w. Everything works on logarithms: the powers of the paper's Eq. 1
-overflow for the kappa a field of many obstacles needs.
-
-Kernels that call each other live in one file because numba's on-disk cache
-notices changes of a function's own file only.
+all of it follows from s, ln beta and, for second derivatives, Hess(beta) / beta.
 """
 
 import math
 
 import numpy as np
-from numba import njit
 
+from bath_drake.field._boundaries import (
+    TINY,
+    compiled,
+    curvature,
+    inlined,
+    log_beta,
+    min_beta,
+    near,
+    normal,
+    unit,
+)
 from bath_drake.notation import FloatArray
 
-# Points farther out are moved here first: their squares must stay finite.
-_FAR = 1e100
 # The greatest power of e handed out: exp(690) times a coordinate stays finite.
 _MAX_LOG = 690.0
 
-ARRIVED, TRAPPED, LEFT, OUT_OF_STEPS = 0, 1, 2, 3
+
+@compiled
+def _log_gamma(dx: float, dy: float, gamma: float) -> float:
+    if gamma > 1e-280:
+        return math.log(gamma)
+    # The square has underflowed, or nearly so; the distance has not.
+    return 2.0 * math.log(math.hypot(dx, dy))
 
 
-@njit(cache=True)
-def quadratic_forms(theta: FloatArray, exponents: FloatArray) -> FloatArray:
-    """Turns ellipse rows (Q, 5) and exponents (Q,) into rows of forms (Q, 6)."""
-    forms = np.empty((theta.shape[0], 6))
-    for i in range(theta.shape[0]):
-        c = math.cos(theta[i, 4])
-        s = math.sin(theta[i, 4])
-        p = 1.0 / (theta[i, 2] * theta[i, 2])
-        r = 1.0 / (theta[i, 3] * theta[i, 3])
-        forms[i, 0] = theta[i, 0]
-        forms[i, 1] = theta[i, 1]
-        forms[i, 2] = c * c * p + s * s * r
-        forms[i, 3] = c * s * (p - r)
-        forms[i, 4] = s * s * p + c * c * r
-        forms[i, 5] = exponents[i]
-    return forms
+@inlined
+def flow_psi(
+    x: float,
+    y: float,
+    workspace: FloatArray,
+    gx: float,
+    gy: float,
+    kappa: float,
+    forms: FloatArray,
+    floor: float,
+    valued: bool,
+) -> tuple[float, float, float, float]:
+    """Unit direction of -grad phi, the smallest beta and, if ``valued``, psi.
+
+    ``floor`` = 0 is the field itself: the direction is zero at the goal and
+    outside free space, and the inward normal on a boundary. A positive floor
+    replaces every smaller beta_i by itself: a learner's roll-out that starts
+    inside an obstacle is then pushed out instead of ending there.
+    """
+    x = near(x)
+    y = near(y)
+    sx, sy, least, value = log_beta(x, y, workspace, forms, floor, valued)
+    if least <= 0.0 and floor <= 0.0:
+        if least < 0.0:
+            return 0.0, 0.0, least, math.inf
+        fx, fy = normal(x, y, workspace, forms)
+        return fx, fy, least, math.inf
+    dx = x - gx
+    dy = y - gy
+    gamma = dx * dx + dy * dy
+    fx, fy = unit(gamma * sx - 2.0 * kappa * dx, gamma * sy - 2.0 * kappa * dy)
+    if valued:
+        value = kappa * _log_gamma(dx, dy, gamma) - value
+    return fx, fy, least, value
 
 
-@njit(cache=True)
-def _near(x: float) -> float:
-    return min(max(x, -_FAR), _FAR)
-
-
-@njit(cache=True)
-def _rim(x: float, y: float, workspace: FloatArray) -> tuple[float, float, float]:
-    """beta_0 and its gradient."""
-    dx = (x - workspace[0]) / workspace[2]
-    dy = (y - workspace[1]) / workspace[3]
-    p = workspace[4]
-    if p == 2.0:  # by far the most common, and pow is slow
-        return (
-            1.0 - dx * dx - dy * dy,
-            -2.0 * dx / workspace[2],
-            -2.0 * dy / workspace[3],
-        )
-    ex = abs(dx) ** (p - 1.0)
-    ey = abs(dy) ** (p - 1.0)
-    value = 1.0 - ex * abs(dx) - ey * abs(dy)
-    gx = -p * math.copysign(ex, dx) / workspace[2]
-    gy = -p * math.copysign(ey, dy) / workspace[3]
-    return max(value, -1e300), gx, gy
-
-
-@njit(cache=True)
-def _ellipse(x: float, y: float, form: FloatArray) -> tuple[float, float, float]:
-    """beta_i and its gradient."""
-    dx = x - form[0]
-    dy = y - form[1]
-    hx = form[2] * dx + form[3] * dy
-    hy = form[3] * dx + form[4] * dy
-    return dx * hx + dy * hy - 1.0, 2.0 * hx, 2.0 * hy
-
-
-@njit(cache=True)
-def min_beta(x: float, y: float, workspace: FloatArray, forms: FloatArray) -> float:
-    """The smallest of all beta_i, the workspace's own included."""
-    x = _near(x)
-    y = _near(y)
-    least = _rim(x, y, workspace)[0]
-    for i in range(forms.shape[0]):
-        least = min(least, _ellipse(x, y, forms[i])[0])
-    return least
-
-
-@njit(cache=True)
+@inlined
 def flow(
     x: float,
     y: float,
@@ -103,78 +85,12 @@ def flow(
     forms: FloatArray,
     floor: float,
 ) -> tuple[float, float, float]:
-    """Unit direction of -grad phi, and the smallest beta.
-
-    ``floor`` = 0 is the field itself: the direction is zero at the goal and
-    outside free space, and the inward normal on a boundary. A positive floor
-    replaces every smaller beta_i by itself: a learner's roll-out that starts
-    inside an obstacle is then pushed out instead of ending there.
-    """
-    x = _near(x)
-    y = _near(y)
-    rim, sx, sy = _rim(x, y, workspace)
-    least = rim
-    for i in range(forms.shape[0]):
-        least = min(least, _ellipse(x, y, forms[i])[0])
-    if least < 0.0 and floor <= 0.0:
-        return 0.0, 0.0, least
-    # Everything is multiplied by the smallest beta: no quotient can overflow,
-    # and on a boundary what remains is exactly that boundary's normal.
-    m = max(least, floor)
-    rim = max(rim, floor)
-    if rim > m:
-        sx *= m / rim
-        sy *= m / rim
-    for i in range(forms.shape[0]):
-        b, bx, by = _ellipse(x, y, forms[i])
-        r = forms[i, 5]
-        if b > m:
-            r *= m / b
-        sx += r * bx
-        sy += r * by
-    dx = x - gx
-    dy = y - gy
-    gamma = dx * dx + dy * dy
-    vx = gamma * sx - 2.0 * kappa * m * dx
-    vy = gamma * sy - 2.0 * kappa * m * dy
-    big = max(abs(vx), abs(vy))
-    if big == 0.0:
-        return 0.0, 0.0, least
-    vx /= big
-    vy /= big
-    n = math.sqrt(vx * vx + vy * vy)
-    return vx / n, vy / n, least
+    """Unit direction of -grad phi, and the smallest beta; see `flow_psi`."""
+    fx, fy, least, _ = flow_psi(x, y, workspace, gx, gy, kappa, forms, floor, False)
+    return fx, fy, least
 
 
-@njit(cache=True)
-def psi(
-    x: float,
-    y: float,
-    workspace: FloatArray,
-    gx: float,
-    gy: float,
-    kappa: float,
-    forms: FloatArray,
-) -> float:
-    """The potential kappa ln gamma - sum_i w_i ln beta_i; +inf off free space."""
-    x = _near(x)
-    y = _near(y)
-    b = _rim(x, y, workspace)[0]
-    if b <= 0.0:
-        return math.inf
-    total = -math.log(b)
-    for i in range(forms.shape[0]):
-        b = _ellipse(x, y, forms[i])[0]
-        if b <= 0.0:
-            return math.inf
-        total -= forms[i, 5] * math.log(b)
-    gamma = (x - gx) * (x - gx) + (y - gy) * (y - gy)
-    if gamma == 0.0:
-        return -math.inf
-    return total + kappa * math.log(gamma)
-
-
-@njit(cache=True)
+@compiled
 def ln_phi(
     x: float,
     y: float,
@@ -185,15 +101,36 @@ def ln_phi(
     forms: FloatArray,
 ) -> float:
     """The logarithm -softplus(-psi) / kappa: nothing cancels or overflows."""
-    t = -psi(x, y, workspace, gx, gy, kappa, forms)
-    if t == math.inf:
-        return -math.inf
+    x = near(x)
+    y = near(y)
+    _, _, least, value = log_beta(x, y, workspace, forms, 0.0, True)
+    if least <= 0.0:
+        return 0.0
+    dx = x - gx
+    dy = y - gy
+    t = value - kappa * _log_gamma(dx, dy, dx * dx + dy * dy)
     if t > 0.0:
         return -(t + math.log1p(math.exp(-t))) / kappa
     return -math.log1p(math.exp(t)) / kappa
 
 
-@njit(cache=True)
+@compiled
+def _weights(
+    log_gamma: float, value: float, kappa: float
+) -> tuple[float, float, float]:
+    """Logarithms of f, sigma and 1 - sigma.
+
+    f = beta (gamma^kappa + beta)^(-1 - 1/kappa) / kappa, and
+    sigma = beta / (gamma^kappa + beta).
+    """
+    a = kappa * log_gamma
+    high = max(a, value)
+    total = high + math.log1p(math.exp(min(a, value) - high))
+    scale = value - (1.0 + 1.0 / kappa) * total - math.log(kappa)
+    return scale, value - total, a - total
+
+
+@compiled
 def grad_phi(
     x: float,
     y: float,
@@ -203,59 +140,74 @@ def grad_phi(
     kappa: float,
     forms: FloatArray,
 ) -> tuple[float, float]:
-    """Gradient of phi (see `bath_drake.field.navigation.grad_phi`)."""
-    x = _near(x)
-    y = _near(y)
-    rim, sx, sy = _rim(x, y, workspace)
-    least = rim
-    at = -1
-    for i in range(forms.shape[0]):
-        b = _ellipse(x, y, forms[i])[0]
-        if b < least:
-            least = b
-            at = i
+    """Gradient of phi: f (2 kappa d - gamma s), f of `_weights`."""
+    x = near(x)
+    y = near(y)
+    sx, sy, least, value = log_beta(x, y, workspace, forms, TINY, True)
     if least < 0.0:
         return 0.0, 0.0
     dx = x - gx
     dy = y - gy
     gamma = dx * dx + dy * dy
-    if gamma == 0.0:
+    vx = -gamma * sx
+    vy = -gamma * sy
+    if least > 0.0:  # on a boundary nothing but its normal is left
+        vx += 2.0 * kappa * dx
+        vy += 2.0 * kappa * dy
+    big = max(abs(vx), abs(vy))
+    if big == 0.0:
         return 0.0, 0.0
-    # ln beta without the smallest factor, and V = -(beta_min gamma) grad psi.
-    rest = 0.0
-    if at >= 0:
-        rest = math.log(rim) if rim > 0.0 else -math.inf
-        if rim > least:
-            sx *= least / rim
-            sy *= least / rim
-    for i in range(forms.shape[0]):
-        b, bx, by = _ellipse(x, y, forms[i])
-        w = forms[i, 5]
-        if i != at:
-            rest += w * math.log(b) if b > 0.0 else -math.inf
-        if b > least:
-            w *= least / b
-        sx += w * bx
-        sy += w * by
-    vx = gamma * sx - 2.0 * kappa * least * dx
-    vy = gamma * sy - 2.0 * kappa * least * dy
-    w = forms[at, 5] if at >= 0 else 1.0
-    ln_least = math.log(least) if least > 0.0 else -math.inf
-    over = rest  # ln(beta / beta_min)
-    if w != 1.0:
-        over += (w - 1.0) * ln_least
-    ln_beta = rest + w * ln_least
-    t = ln_beta - kappa * math.log(gamma)
-    if t > 0.0:
-        scale = over - (1.0 + 1.0 / kappa) * (ln_beta + math.log1p(math.exp(-t)))
-    else:
-        scale = over - (1.0 + 1.0 / kappa) * math.log1p(math.exp(t))
-        scale -= (kappa + 1.0) * math.log(gamma)
-    f = -math.exp(min(scale - math.log(kappa), _MAX_LOG))
-    return f * vx, f * vy
+    scale, _, _ = _weights(_log_gamma(dx, dy, gamma), value, kappa)
+    f = math.exp(min(scale + math.log(big), _MAX_LOG))
+    return f * (vx / big), f * (vy / big)
 
 
-@njit(cache=True)
+@compiled
+def hessian_phi(
+    x: float,
+    y: float,
+    workspace: FloatArray,
+    gx: float,
+    gy: float,
+    kappa: float,
+    forms: FloatArray,
+) -> tuple[float, float, float]:
+    """Hessian of phi, (xx, xy, yy).
+
+    With e = d / |d|, and f and sigma of `_weights`, it is
+
+    f (2 kappa I - 4 kappa (kappa + 1) (1 - sigma) e e' - 2 kappa c (d s' + s d')
+       + gamma ((1 + 1/kappa) sigma s s' - Hess(beta) / beta)),
+
+    c = (1 + 1/kappa) sigma - 1. At the goal sigma is one and the first term is left.
+    """
+    x = near(x)
+    y = near(y)
+    _, _, least, value = log_beta(x, y, workspace, forms, TINY, True)
+    if least < 0.0:
+        return 0.0, 0.0, 0.0
+    sx, sy, hxx, hxy, hyy = curvature(x, y, workspace, forms, TINY)
+    dx = x - gx
+    dy = y - gy
+    gamma = dx * dx + dy * dy
+    scale, ln_sigma, ln_rest = _weights(_log_gamma(dx, dy, gamma), value, kappa)
+    ex, ey = unit(dx, dy)
+    sigma = (1.0 + 1.0 / kappa) * math.exp(ln_sigma)
+    k = -4.0 * kappa * (kappa + 1.0) * math.exp(ln_rest)
+    c = -2.0 * kappa * (sigma - 1.0)
+    mxx = 2.0 * kappa + k * ex * ex + 2.0 * c * dx * sx
+    mxx += gamma * (sigma * sx * sx - hxx)
+    mxy = k * ex * ey + c * (dx * sy + dy * sx) + gamma * (sigma * sx * sy - hxy)
+    myy = 2.0 * kappa + k * ey * ey + 2.0 * c * dy * sy
+    myy += gamma * (sigma * sy * sy - hyy)
+    big = max(max(abs(mxx), abs(mxy)), abs(myy))
+    if big == 0.0:
+        return 0.0, 0.0, 0.0
+    f = math.exp(min(scale + math.log(big), _MAX_LOG))
+    return f * (mxx / big), f * (mxy / big), f * (myy / big)
+
+
+@compiled
 def grad_hessian_psi(
     x: float,
     y: float,
@@ -266,136 +218,24 @@ def grad_hessian_psi(
     forms: FloatArray,
 ) -> tuple[float, float, float, float, float]:
     """(psi_x, psi_y, psi_xx, psi_xy, psi_yy) at an interior point off the goal."""
-    dx = x - gx
-    dy = y - gy
-    g = dx * dx + dy * dy
-    k = 2.0 * kappa / g
-    fx = k * dx
-    fy = k * dy
-    hxx = k * (1.0 - 2.0 * dx * dx / g)
-    hxy = -2.0 * k * dx * dy / g
-    hyy = k * (1.0 - 2.0 * dy * dy / g)
-    b, bx, by = _rim(x, y, workspace)
-    p = workspace[4]
-    ux = abs((x - workspace[0]) / workspace[2]) ** (p - 2.0)
-    uy = abs((y - workspace[1]) / workspace[3]) ** (p - 2.0)
-    bxx = -p * (p - 1.0) * ux / (workspace[2] * workspace[2])
-    byy = -p * (p - 1.0) * uy / (workspace[3] * workspace[3])
-    fx -= bx / b
-    fy -= by / b
-    hxx += bx * bx / (b * b) - bxx / b
-    hxy += bx * by / (b * b)
-    hyy += by * by / (b * b) - byy / b
-    for i in range(forms.shape[0]):
-        b, bx, by = _ellipse(x, y, forms[i])
-        r = forms[i, 5] / b
-        fx -= r * bx
-        fy -= r * by
-        hxx += r * (bx * bx / b - 2.0 * forms[i, 2])
-        hxy += r * (bx * by / b - 2.0 * forms[i, 3])
-        hyy += r * (by * by / b - 2.0 * forms[i, 4])
-    return fx, fy, hxx, hxy, hyy
+    x = near(x)
+    y = near(y)
+    sx, sy, hxx, hxy, hyy = curvature(x, y, workspace, forms, 0.0)
+    r = math.hypot(x - gx, y - gy)
+    ex = (x - gx) / r
+    ey = (y - gy) / r
+    k = min(2.0 * kappa / r, 1e300)
+    k2 = min(k / r, 1e300)
+    return (
+        k * ex - sx,
+        k * ey - sy,
+        k2 * (1.0 - 2.0 * ex * ex) + sx * sx - hxx,
+        -2.0 * k2 * ex * ey + sx * sy - hxy,
+        k2 * (1.0 - 2.0 * ey * ey) + sy * sy - hyy,
+    )
 
 
-@njit(cache=True)
-def roll_out(
-    x: float,
-    y: float,
-    workspace: FloatArray,
-    gx: float,
-    gy: float,
-    kappa: float,
-    forms: FloatArray,
-    step: float,
-    tolerance: float,
-    path: FloatArray,
-) -> tuple[int, int, float]:
-    """Guarded roll-out into ``path`` (T, 2): points written, status, least beta.
-
-    Midpoint steps of arc length ``step`` (shorter near the goal); a step is
-    halved until psi, and with it phi, falls and the new point is free.
-    """
-    path[0, 0] = x
-    path[0, 1] = y
-    value = psi(x, y, workspace, gx, gy, kappa, forms)
-    fx, fy, clear = flow(x, y, workspace, gx, gy, kappa, forms, 0.0)
-    if clear <= 0.0:
-        return 1, LEFT, clear
-    h = step
-    for n in range(1, path.shape[0] + 1):
-        distance = math.hypot(x - gx, y - gy)
-        if distance <= tolerance:
-            return n, ARRIVED, clear
-        if n == path.shape[0]:
-            break
-        # Grow again after a tight spot, but never beyond the asked step.
-        h = min(min(2.0 * h, step), distance)
-        while True:
-            mx, my, least = flow(
-                x + 0.5 * h * fx,
-                y + 0.5 * h * fy,
-                workspace,
-                gx,
-                gy,
-                kappa,
-                forms,
-                0.0,
-            )
-            nx = x + h * mx
-            ny = y + h * my
-            after = math.inf
-            if least > 0.0:
-                after = psi(nx, ny, workspace, gx, gy, kappa, forms)
-            if after < value:
-                break
-            h *= 0.5
-            # Far below any step worth taking: a critical point holds it.
-            if h < 1e-7 * step:
-                return n, TRAPPED, clear
-        x = nx
-        y = ny
-        value = after
-        path[n, 0] = x
-        path[n, 1] = y
-        fx, fy, least = flow(x, y, workspace, gx, gy, kappa, forms, 0.0)
-        clear = min(clear, least)
-    return path.shape[0], OUT_OF_STEPS, clear
-
-
-@njit(cache=True)
-def roll_outs(
-    starts: FloatArray,
-    workspace: FloatArray,
-    goal: FloatArray,
-    kappa: float,
-    forms: FloatArray,
-    step: float,
-    tolerance: float,
-    max_steps: int,
-) -> tuple[FloatArray, FloatArray]:
-    """Statuses (n,) as floats and end points (n, 2) of a batch of roll-outs."""
-    status = np.empty(starts.shape[0])
-    ends = np.empty_like(starts)
-    path = np.empty((max_steps + 1, 2))
-    for i in range(starts.shape[0]):
-        n, s, _ = roll_out(
-            starts[i, 0],
-            starts[i, 1],
-            workspace,
-            goal[0],
-            goal[1],
-            kappa,
-            forms,
-            step,
-            tolerance,
-            path,
-        )
-        status[i] = s
-        ends[i] = path[n - 1]
-    return status, ends
-
-
-@njit(cache=True)
+@compiled
 def newton_points(
     starts: FloatArray,
     workspace: FloatArray,

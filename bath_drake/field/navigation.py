@@ -11,8 +11,13 @@ Everything is defined and finite for every finite q (ln phi is -inf at the goal)
 
 * on a boundary phi = 1 and the flow is the boundary's inward normal; where several
   boundaries cross, the sum of their gradients, scaled to one;
-* outside free space (some beta_i < 0) phi = 1, and gradient and flow are zero;
-* at the goal phi = 0, and gradient and flow are zero.
+* outside free space (some beta_i < 0) phi = 1, and its derivatives and the flow are
+  zero;
+* at the goal phi = 0, gradient and flow are zero, and the Hessian of phi is
+  2 beta(q_d)^(-1/kappa) I;
+* the derivatives of psi are zero wherever psi is not finite.
+
+Coordinates beyond 1e70 count as 1e70, semi-axes below 1e-35 as 1e-35.
 """
 
 from collections.abc import Callable
@@ -20,10 +25,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from bath_drake.field import _kernels
+from bath_drake.field._boundaries import FAR, compiled, quadratic_forms
+from bath_drake.field._boundaries import min_beta as _least_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.notation import FloatArray
 
@@ -88,8 +94,8 @@ class NavigationField:
         """(workspace, goal x, goal y, kappa, forms) as `_kernels` takes them."""
         theta, exponents = self.obstacles.theta, self.obstacles.powers
         # numba compiles anew for read-only arrays: hand out plain copies.
-        forms = _kernels.quadratic_forms(theta.copy(), exponents.copy())
-        gx, gy = self.goal.tolist()
+        forms = quadratic_forms(theta.copy(), exponents.copy())
+        gx, gy = (min(max(g, -FAR), FAR) for g in self.goal.tolist())
         return self.workspace.as_array(), gx, gy, self.kappa, forms
 
 
@@ -103,15 +109,15 @@ def _points(q: ArrayLike) -> tuple[FloatArray, tuple[int, ...]]:
 _Kernel = Callable[..., FloatArray]
 
 
-@njit(cache=True)
+@compiled
 def _min_beta(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty(q.shape[0])
     for i in range(q.shape[0]):
-        out[i] = _kernels.min_beta(q[i, 0], q[i, 1], workspace, forms)
+        out[i] = _least_beta(q[i, 0], q[i, 1], workspace, forms)
     return out
 
 
-@njit(cache=True)
+@compiled
 def _ln_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty(q.shape[0])
     for i in range(q.shape[0]):
@@ -119,7 +125,7 @@ def _ln_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True)
+@compiled
 def _grad_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty((q.shape[0], 2))
     for i in range(q.shape[0]):
@@ -127,7 +133,7 @@ def _grad_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-de
     return out
 
 
-@njit(cache=True)
+@compiled
 def _flow(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty((q.shape[0], 2))
     for i in range(q.shape[0]):
@@ -138,12 +144,22 @@ def _flow(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True)
-def _derivatives(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
-    out = np.empty((q.shape[0], 5))
+@compiled
+def _hessian_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty((q.shape[0], 3))
     for i in range(q.shape[0]):
         x, y = q[i]
-        out[i] = _kernels.grad_hessian_psi(x, y, workspace, gx, gy, kappa, forms)
+        out[i] = _kernels.hessian_phi(x, y, workspace, gx, gy, kappa, forms)
+    return out
+
+
+@compiled
+def _derivatives(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.zeros((q.shape[0], 5))
+    for i in range(q.shape[0]):
+        x, y = q[i]
+        if _least_beta(x, y, workspace, forms) > 0.0 and not (x == gx and y == gy):
+            out[i] = _kernels.grad_hessian_psi(x, y, workspace, gx, gy, kappa, forms)
     return out
 
 
@@ -174,10 +190,19 @@ def phi(q: ArrayLike, field: NavigationField) -> FloatArray:
 def grad_phi(q: ArrayLike, field: NavigationField) -> FloatArray:
     """Gradient of phi at points (..., 2), shape (..., 2).
 
-    Exact on the boundary of an obstacle of exponent 1. It grows like gamma^-kappa
-    near the goal's side of a boundary and is cut off at about exp(690).
+    Exact on boundaries too; an exponent below one makes it infinite there, and at the
+    goal's side of a boundary it grows like gamma^-kappa: it is cut off at exp(690).
     """
     return _over(_grad_phi, q, field)
+
+
+def hessian_phi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """Hessian of phi at points (..., 2), shape (..., 2, 2).
+
+    On a boundary it is the limit from within free space (infinite for exponents
+    below two other than one), cut off at exp(690).
+    """
+    return _over(_hessian_phi, q, field)[..., [[0, 1], [1, 2]]]
 
 
 def flow_direction(q: ArrayLike, field: NavigationField) -> FloatArray:
@@ -189,10 +214,16 @@ def flow_direction(q: ArrayLike, field: NavigationField) -> FloatArray:
 
 
 def grad_psi(q: ArrayLike, field: NavigationField) -> FloatArray:
-    """Gradient of psi at interior points (..., 2) off the goal, shape (..., 2)."""
+    """Gradient of psi at points (..., 2), shape (..., 2).
+
+    Zero at the goal, on boundaries and outside free space, where psi is not finite.
+    """
     return _over(_derivatives, q, field)[..., :2]
 
 
 def hessian_psi(q: ArrayLike, field: NavigationField) -> FloatArray:
-    """Hessian of psi at interior points (..., 2) off the goal, shape (..., 2, 2)."""
+    """Hessian of psi at points (..., 2), shape (..., 2, 2); zero where `grad_psi` says.
+
+    Its part 2 kappa / gamma is cut off at 1e300.
+    """
     return _over(_derivatives, q, field)[..., [[2, 3], [3, 4]]]

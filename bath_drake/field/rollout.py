@@ -1,27 +1,29 @@
 """Reproduction of a motion: the flow followed from a start (paper, Eq. 2)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bath_drake.field import _kernels
+from bath_drake.field import _rollouts
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.speed import canonical_velocity
-from bath_drake.notation import FloatArray
+from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.threads import parallel_map, parts
 
 
 class RolloutStatus(Enum):
     """How a roll-out ended."""
 
-    ARRIVED = _kernels.ARRIVED
+    ARRIVED = _rollouts.ARRIVED
     """Within the tolerance of the goal."""
-    TRAPPED = _kernels.TRAPPED
+    TRAPPED = _rollouts.TRAPPED
     """No step lowers phi any more: a critical point other than the goal."""
-    LEFT = _kernels.LEFT
+    LEFT = _rollouts.LEFT
     """The start is not in free space (guarded steps never leave it)."""
-    OUT_OF_STEPS = _kernels.OUT_OF_STEPS
+    OUT_OF_STEPS = _rollouts.OUT_OF_STEPS
     """Neither, after the steps allowed."""
 
 
@@ -40,6 +42,39 @@ class Rollout:
     status: RolloutStatus
     min_beta: float
     length: float
+
+
+@dataclass(frozen=True, eq=False)
+class Rollouts:
+    """Many paths, padded to one length; the leading shape (...) is `rollouts`'s.
+
+    Attributes:
+        paths: Points, shape (..., T, 2); behind its end a path stays there.
+        counts: Points of each path up to its end, shape (...), at least 1.
+        statuses: How each ended, the values of `RolloutStatus`, shape (...).
+        min_betas: The smallest beta_i met at each path's points, shape (...).
+        lengths: Arc lengths, in units of N, shape (...).
+    """
+
+    paths: FloatArray
+    counts: IntArray
+    statuses: IntArray
+    min_betas: FloatArray
+    lengths: FloatArray
+
+    @property
+    def arrived(self) -> BoolArray:
+        """Which ended at the goal, shape (...)."""
+        return np.asarray(self.statuses == RolloutStatus.ARRIVED.value)
+
+    def __getitem__(self, index: int | tuple[int, ...]) -> Rollout:
+        """One of them, as `rollout` returns it."""
+        return Rollout(
+            self.paths[index][: self.counts[index]].copy(),
+            RolloutStatus(int(self.statuses[index])),
+            float(self.min_betas[index]),
+            float(self.lengths[index]),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +128,48 @@ def rollout(
     x, y = np.asarray(start, dtype=np.float64).tolist()
     path = np.empty((max_steps + 1, 2))
     workspace, gx, gy, kappa, forms = field.kernel_arguments
-    count, status, clear = _kernels.roll_out(
+    count, status, clear, length = _rollouts.roll_out(
         x, y, workspace, gx, gy, kappa, forms, step, goal_tolerance, path
     )
-    path = path[:count].copy()
-    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-    return Rollout(path, RolloutStatus(status), float(clear), length)
+    return Rollout(path[:count].copy(), RolloutStatus(status), clear, length)
+
+
+def rollouts(
+    starts: ArrayLike,
+    fields: NavigationField | Sequence[NavigationField],
+    *,
+    step: float = 0.01,
+    max_steps: int = 5000,
+    goal_tolerance: float = 1e-3,
+) -> Rollouts:
+    """`rollout` from every start under every field, on all cores.
+
+    Args:
+        starts: Shape (..., 2), in N.
+        fields: One field, and the results have the shape of the starts, (...); or F
+            of them, and theirs is (F, ...).
+        step: As in `rollout`.
+        max_steps: As in `rollout`.
+        goal_tolerance: As in `rollout`.
+
+    Raises:
+        ValueError: An argument is out of its range, or there is no field.
+    """
+    many = _roll(starts, fields, step, max_steps, goal_tolerance, keep=True)
+    counts = many.codes[:, 0]
+    paths = np.empty((len(counts), int(counts.max(initial=1)), 2))
+    row = 0
+    for points, part in many.pieces:
+        _rollouts.unpack(points, part, paths[row : row + len(part)])
+        row += len(part)
+    shape = many.shape
+    return Rollouts(
+        paths.reshape(*shape, -1, 2),
+        counts.reshape(shape),
+        many.codes[:, 1].reshape(shape),
+        many.facts[:, 2].reshape(shape),
+        many.facts[:, 3].reshape(shape),
+    )
 
 
 def rollout_ends(
@@ -110,20 +181,65 @@ def rollout_ends(
     goal_tolerance: float = 1e-3,
 ) -> tuple[tuple[RolloutStatus, ...], FloatArray]:
     """Where roll-outs from many starts (n, 2) end: statuses and end points (n, 2)."""
+    many = _roll(starts, field, step, max_steps, goal_tolerance, keep=False)
+    return tuple(map(RolloutStatus, many.codes[:, 1].tolist())), many.facts[:, :2]
+
+
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """What the kernel says of a batch, in the order of fields, then starts."""
+
+    shape: tuple[int, ...]
+    codes: IntArray
+    facts: FloatArray
+    pieces: list[tuple[FloatArray, IntArray]]
+
+
+def _roll(
+    starts: ArrayLike,
+    fields: NavigationField | Sequence[NavigationField],
+    step: float,
+    max_steps: int,
+    goal_tolerance: float,
+    *,
+    keep: bool,
+) -> _Batch:
     _check(step, max_steps, goal_tolerance)
-    points = np.array(starts, dtype=np.float64).reshape(-1, 2)
-    workspace, _, _, kappa, forms = field.kernel_arguments
-    status, ends = _kernels.roll_outs(
-        points,
-        workspace,
-        field.goal.copy(),
-        kappa,
-        forms,
-        step,
-        goal_tolerance,
-        max_steps,
-    )
-    return tuple(RolloutStatus(int(s)) for s in status), ends
+    q = np.asarray(starts, dtype=np.float64)
+    if q.ndim == 0 or q.shape[-1] != 2:
+        raise ValueError(f"starts must have shape (..., 2), got {q.shape}")
+    shape = q.shape[:-1]
+    if isinstance(fields, NavigationField):
+        fields = [fields]
+    else:
+        shape = (len(fields), *shape)
+    if not fields:
+        raise ValueError("fields must not be empty")
+    flat = q.reshape(-1, 2)
+    points = np.tile(flat, (len(fields), 1))
+    which = np.repeat(np.arange(len(fields)), len(flat))
+    arguments = [f.kernel_arguments for f in fields]
+    constants = np.array([[*w, gx, gy, k] for w, gx, gy, k, _ in arguments])
+    forms = np.concatenate([a[4] for a in arguments])
+    offsets = np.cumsum([0, *(len(a[4]) for a in arguments)])
+
+    def roll(part: slice) -> tuple[IntArray, FloatArray, FloatArray]:
+        return _rollouts.roll_outs(
+            points[part],
+            which[part],
+            constants,
+            forms,
+            offsets,
+            step,
+            goal_tolerance,
+            max_steps,
+            keep,
+        )
+
+    found = parallel_map(roll, parts(len(points)))
+    codes, facts, paths = zip(*found, strict=True)
+    pieces = list(zip(paths, codes, strict=True))
+    return _Batch(shape, np.concatenate(codes), np.concatenate(facts), pieces)
 
 
 def timed_rollout(

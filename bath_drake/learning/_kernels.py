@@ -6,8 +6,8 @@ ln a, ln b and the angle, then ln kappa (see `bath_drake.learning.genome`).
 All release the interpreter lock, so that threads share a population's members;
 each is serial in itself: forking inside costs more than these batches do.
 
-After a change of `bath_drake.field._kernels`, numba's cache of this file is
-stale: touch this file too.
+After a change of `bath_drake.field`'s kernels, numba's cache of this file is stale:
+touch this file too.
 """
 
 import math
@@ -15,7 +15,9 @@ import math
 import numpy as np
 from numba import njit
 
-from bath_drake.field import _kernels as field_kernels
+from bath_drake.field._boundaries import quadratic_forms
+from bath_drake.field._kernels import flow
+from bath_drake.field._rollouts import ARRIVED, LEFT, roll_out
 from bath_drake.notation import FloatArray, IntArray
 
 
@@ -54,7 +56,7 @@ def _forms(x: FloatArray) -> FloatArray:
         theta[i, 2] = math.exp(x[5 * i + 2])
         theta[i, 3] = math.exp(x[5 * i + 3])
         theta[i, 4] = x[5 * i + 4]
-    return field_kernels.quadratic_forms(theta, np.ones(q))
+    return quadratic_forms(theta, np.ones(q))
 
 
 @njit(cache=True, nogil=True)
@@ -84,7 +86,7 @@ def whole_costs(
         kappa = math.exp(xs[k, xs.shape[1] - 1])
         path = np.empty((max_steps + 1, 2))
         for d in range(count):
-            length, status, _ = field_kernels.roll_out(
+            length, status, _, _ = roll_out(
                 demonstrations[d, 0, 0],
                 demonstrations[d, 0, 1],
                 workspace,
@@ -96,14 +98,14 @@ def whole_costs(
                 tolerance,
                 path,
             )
-            if status == field_kernels.ARRIVED:
+            if status == ARRIVED:
                 arrived[k] += 1.0 / count
             distances[k, d] = frechet(path, length, demonstrations[d])
         free = 0
         good = 0
         for g in range(grid.shape[0]):
             # Coarse steps will do: only the end matters.
-            _, status, _ = field_kernels.roll_out(
+            _, status, _, _ = roll_out(
                 grid[g, 0],
                 grid[g, 1],
                 workspace,
@@ -115,9 +117,9 @@ def whole_costs(
                 tolerance,
                 path,
             )
-            if status != field_kernels.LEFT:
+            if status != LEFT:
                 free += 1
-            if status == field_kernels.ARRIVED:
+            if status == ARRIVED:
                 good += 1
         if free > 0:
             reached[k] = good / free
@@ -267,10 +269,8 @@ def shoot(
                     x = gx
                     y = gy
                 else:
-                    fx, fy, _ = field_kernels.flow(
-                        x, y, workspace, gx, gy, kappa, forms, floor
-                    )
-                    fx, fy, _ = field_kernels.flow(
+                    fx, fy, _ = flow(x, y, workspace, gx, gy, kappa, forms, floor)
+                    fx, fy, _ = flow(
                         x + 0.5 * h * fx,
                         y + 0.5 * h * fy,
                         workspace,

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
-from bath_drake.field import _kernels as field_kernels
+from bath_drake.field._boundaries import quadratic_forms
 from bath_drake.notation import FloatArray
 
 
@@ -20,7 +20,7 @@ def pushes(rows: FloatArray, points: FloatArray) -> FloatArray:
     ``rows`` (n, 5) holds centre, semi-axes and angle. A point within an ellipse
     is pushed as hard as one just outside of it: such a candidate matches nothing.
     """
-    forms = field_kernels.quadratic_forms(rows, np.ones(rows.shape[0]))
+    forms = quadratic_forms(rows, np.ones(rows.shape[0]))
     out = np.empty((rows.shape[0], points.shape[0], 2))
     for i in range(rows.shape[0]):
         for t in range(points.shape[0]):

@@ -7,9 +7,9 @@ import numpy as np
 
 from bath_drake.field.obstacles import Workspace
 from bath_drake.learning import _kernels
-from bath_drake.learning._threads import parallel_map, split
 from bath_drake.learning.strokes import StrokeSet
 from bath_drake.notation import FloatArray
+from bath_drake.threads import parallel_map, split
 
 GOAL_TOLERANCE = 2e-3
 

@@ -8,13 +8,13 @@ import numpy as np
 from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.learning import genome, shooting
-from bath_drake.learning._threads import parallel_map, split
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.descent import descend
 from bath_drake.learning.genetic import GeneticSettings, evolve
 from bath_drake.learning.seeding import grow, seed_population
 from bath_drake.notation import FloatArray
+from bath_drake.threads import parallel_map, split
 
 _FINALISTS = 4
 _REPAIRS = 2
