@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.patheffects import withStroke
 from scipy.ndimage import grey_dilation
 
 from bath_drake.certificate.result import Box, Certificate
@@ -66,6 +67,8 @@ def draw_certificate(
     _draw_ways_into_traps(axes, field, certificate)
     common: dict[str, Any] = {"mec": "white", "mew": 0.9, "ls": "", "zorder": 6}
     if start is not None:
+        path = rollout(start, field).path
+        axes.plot(*path.T, color=style.INK, lw=2.0, zorder=4, label="way of the start")
         axes.plot(*start, "o", color=style.INK, ms=8, label="start", **common)
     axes.plot(*field.goal, "*", color=style.INK, ms=15, label="goal", **common)
     axes.set_aspect("equal")
@@ -194,6 +197,7 @@ def _frame(box: Box, smallest: float, colour: str) -> Rectangle:
         edgecolor=colour,
         lw=1.8,
         zorder=5.5,
+        path_effects=[withStroke(linewidth=4.0, foreground="white")],
     )
 
 

@@ -52,11 +52,15 @@ def certificate_rows(run: RunData) -> list[tuple[str, str]]:
         ("the skill's own certificate", of_skill),
         ("sensed areas", told.get("sensed_areas")),
         ("proofs during the run", told.get("proofs")),
-        ("seconds of a proof, mean", seconds.get("mean")),
-        ("seconds of a proof, longest", seconds.get("max")),
+        ("a proof took, mean", _milliseconds(seconds.get("mean"))),
+        ("a proof took, at most", _milliseconds(seconds.get("max"))),
         ("samples in which it moved unproved", told.get("samples_moved_unproved")),
     ]
     return [(name, number(value)) for name, value in rows]
+
+
+def _milliseconds(seconds: float | None) -> str | None:
+    return None if seconds is None else f"{number(1e3 * seconds)} ms"
 
 
 def frechet_text(run: RunData) -> str:
