@@ -33,6 +33,7 @@ from bath_drake.certificate.evaluation import (
     HXX,
     HXY,
     HYY,
+    MID_BETA,
     MID_GX,
     MID_GY,
     evaluate,
@@ -67,7 +68,7 @@ NO_ROOT: Final = 3
 SADDLE: Final = 4
 ABOVE: Final = 5
 OPEN: Final = 6  # none of them
-CUT: Final = 7  # none of them, and a boundary cuts the box
+CONVEX: Final = 7  # none of them, and psi looks convex: there may be a minimum
 # Where gamma or a beta may be less, nothing is divided by it: no overflow (`world`).
 TINY: Final = 1e-60
 
@@ -76,9 +77,9 @@ TINY: Final = 1e-60
 def box_test(
     x: Interval, y: Interval, world: World, level: float, table: FloatArray
 ) -> int:
-    """Which test settles a box, or OPEN or CUT.
+    """Which test settles a box, or OPEN or CONVEX.
 
-    The table (Q + 1, COLUMNS, 2) is scratch; `level` is c of ABOVE, inf for all
+    The table is scratch, from `new_table`; `level` is c of ABOVE, inf for all
     free space.
     """
     if not evaluate(x, y, world, table):
@@ -97,12 +98,12 @@ def box_test(
     found, ux, uy = escape_direction(x, y, world, table)
     if found and _one_way(ux, uy, px, py, gamma, rx, ry, world, table):
         return ONE_WAY
-    ux, uy = force_direction(x, y, world, table)
-    if _one_way(ux, uy, px, py, gamma, rx, ry, world, table):
+    found, ux, uy = force_direction(x, y, world, table)
+    if found and _one_way(ux, uy, px, py, gamma, rx, ry, world, table):
         return ONE_WAY
     for j in range(table.shape[0]):
         if not table[j, BETA, 0] > TINY:
-            return CUT
+            return OPEN
     hxx, hxy, hyy = hessian(px, py, gamma, world, table)
     mx = subtract(point(middle(x)), point(world.goal[0]))
     my = subtract(point(middle(y)), point(world.goal[1]))
@@ -111,13 +112,18 @@ def box_test(
         return NO_ROOT
     if _strict_saddle(px, py, gamma, hxx, hxy, hyy, world, table):
         return SADDLE
-    return OPEN
+    a = middle(hxx)
+    b = middle(hxy)
+    c = middle(hyy)
+    return CONVEX if a + c > 0.0 and a * c > b * b else OPEN
 
 
 @njit(cache=True, nogil=True)
 def _radial(
     x: Interval, y: Interval, px: Interval, py: Interval, world: World, t: FloatArray
 ) -> bool:
+    if not _radial_at_middle(x, y, world, t):
+        return False
     rx = radius(x)
     ry = radius(y)
     mx = subtract(point(middle(x)), point(world.goal[0]))
@@ -144,10 +150,28 @@ def _radial(
 
 
 @njit(cache=True, nogil=True)
+def _radial_at_middle(x: Interval, y: Interval, world: World, t: FloatArray) -> bool:
+    """Whether `_radial` may succeed: a test with floats that spares most boxes it."""
+    px = middle(x) - world.goal[0]
+    py = middle(y) - world.goal[1]
+    least = 2.0 * world.kappa
+    for j in range(t.shape[0]):
+        n = px * t[j, MID_GX, 0] + py * t[j, MID_GY, 0]
+        if t[j, BETA, 0] > 0.0:
+            least -= world.exponents[j] * n / t[j, MID_BETA, 0]
+        elif n > 0.0:
+            return False
+        else:
+            least -= world.exponents[j] * n / t[j, BETA, 1]
+    return least > 0.0
+
+
+@njit(cache=True, nogil=True)
 def _above(gamma: Interval, world: World, level: float, t: FloatArray) -> bool:
     least = below(world.kappa * log_bounds(gamma[0])[0])
     for j in range(t.shape[0]):
-        least = below(least - above(world.exponents[j] * log_bounds(t[j, BETA, 1])[1]))
+        high = log_bounds(t[j, BETA, 1])[1]
+        least = below(least - above(world.exponents[j] * high))
     return least > level
 
 
@@ -163,10 +187,10 @@ def _one_way(
     world: World,
     t: FloatArray,
 ) -> bool:
-    if not abs(ux) + abs(uy) > 0.0:
-        return False
     along = add(scale(ux, px), scale(uy, py))
     most = divide(scale(2.0 * world.kappa, along), gamma)[1]
+    if not _one_way_at_middle(ux, uy, most, world, t):
+        return False
     for j in range(t.shape[0]):
         g = add(scale(ux, get(t, j, MID_GX)), scale(uy, get(t, j, MID_GY)))[0]
         g = below(g - gradient_reach(t, j, ux, uy, rx, ry))
@@ -177,6 +201,22 @@ def _one_way(
         else:
             return False
         most = above(most - below(world.exponents[j] * g))
+    return most < 0.0
+
+
+@njit(cache=True, nogil=True)
+def _one_way_at_middle(
+    ux: float, uy: float, most: float, world: World, t: FloatArray
+) -> bool:
+    """Whether `_one_way` may succeed, from the gradients at the middle."""
+    for j in range(t.shape[0]):
+        g = ux * t[j, MID_GX, 0] + uy * t[j, MID_GY, 0]
+        if t[j, BETA, 0] > 0.0:
+            most -= world.exponents[j] * g / t[j, MID_BETA, 0]
+        elif g < 0.0:
+            return False
+        else:
+            most -= world.exponents[j] * g / t[j, BETA, 1]
     return most < 0.0
 
 

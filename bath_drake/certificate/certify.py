@@ -29,9 +29,9 @@ from numpy.typing import ArrayLike
 
 from bath_drake.certificate.diagnosis import (
     contacts,
-    critical_points,
     find_doubts,
     find_traps,
+    name_points,
 )
 from bath_drake.certificate.regions import level_of, standing
 from bath_drake.certificate.result import Box, Certificate, Doubt
@@ -130,17 +130,17 @@ def _settle(
         return found
     level = math.inf if starts is None else level_of(world, starts)
     width = resolution * float(field.workspace.semi_axes.max())
-    saddles, left, minima, unsettled, boxes = subdivide(world, level, width, budget)
-    points = critical_points(world, saddles, minima)
+    roots, left, unsettled, boxes = subdivide(world, level, width, budget)
+    points = name_points(roots)
     part = "free space" if math.isinf(level) else "the starts' sublevel set"
-    if len(minima):
-        traps = find_traps(field, points)
-        x, y = 0.5 * (minima[0, 0] + minima[0, 1]), 0.5 * (minima[0, 2] + minima[0, 3])
+    traps = find_traps(field, points)
+    if traps:
+        x, y = traps[0].x, traps[0].y
         found = Certificate(
             "refuted",
             f"a minimum besides the goal in {part}, at ({x:.6g}, {y:.6g})",
             traps=traps,
-            witness=(float(x), float(y)),
+            witness=(x, y),
         )
     elif unsettled:
         doubts = find_doubts(world, left, width)

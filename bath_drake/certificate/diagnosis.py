@@ -3,25 +3,17 @@
 from typing import Final
 
 import numpy as np
-from numba import njit
 from scipy.ndimage import label
 from scipy.sparse.csgraph import connected_components
 
-from bath_drake.certificate.evaluation import BETA, COLUMNS, evaluate
-from bath_drake.certificate.isolation import (
-    MAXIMUM,
-    MINIMUM,
-    NONE,
-    SADDLE_POINT,
-    grow,
-    polish,
-)
+from bath_drake.certificate.evaluation import BETA, evaluate, new_table
+from bath_drake.certificate.isolation import MAXIMUM, MINIMUM, NONE, SADDLE_POINT
 from bath_drake.certificate.result import Box, Cause, Component, Doubt, Enclosure, Trap
 from bath_drake.certificate.world import World
 from bath_drake.field.critical_points import Kind, kind_of
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, pair_gaps
-from bath_drake.field.rollout import RolloutStatus, rollout_ends
+from bath_drake.field.rollout import rollout_ends
 from bath_drake.notation import FloatArray, IntArray
 
 _KINDS: Final[dict[int, Kind]] = {
@@ -33,55 +25,15 @@ _KINDS: Final[dict[int, Kind]] = {
 _DOUBTS: Final = 12
 
 
-def critical_points(
-    world: World, saddles: FloatArray, traps: FloatArray
-) -> tuple[Enclosure, ...]:
-    """Polishes and encloses the critical points in boxes (n, 4), sorted by x, y.
-
-    All of a settled field lie in the boxes given; from each, Newton's method starts.
-    """
-    # One polished from its own box may lie a little outside it.
-    boxes = np.concatenate([traps, saddles])
-    found = []
-    for x, y, low, high, kind, x0, x1, y0, y1 in _polish_all(world, boxes).tolist():
-        box = None if int(kind) == NONE else Box(x0, x1, y0, y1)
-        name = kind_of(low, high) if box is None else _KINDS[int(kind)]
-        found.append(Enclosure(x, y, name, (low, high), box))
-    return tuple(sorted(found, key=lambda point: (point.x, point.y)))
-
-
-@njit(cache=True, nogil=True)
-def _polish_all(world: World, boxes: FloatArray) -> FloatArray:
-    """Rows x, y, both eigenvalues, what `enclose` proved and the box; one a root."""
-    table = np.empty((world.exponents.shape[0], COLUMNS, 2))
-    rows = np.empty((boxes.shape[0], 9))
-    box = np.zeros(4)
-    count = 0
-    near = 1e-8 * max(world.rim[2], world.rim[3])
-    for i in range(boxes.shape[0]):
-        x = 0.5 * (boxes[i, 0] + boxes[i, 1])
-        y = 0.5 * (boxes[i, 2] + boxes[i, 3])
-        leash = 2.0 * max(boxes[i, 1] - boxes[i, 0], boxes[i, 3] - boxes[i, 2])
-        ok, x, y, a, b, c = polish(x, y, leash, world, table)
-        if not ok:
-            continue
-        known = False
-        for k in range(count):
-            known = known or (
-                abs(rows[k, 0] - x) <= near and abs(rows[k, 1] - y) <= near
-            )
-        if known:
-            continue
-        mean = 0.5 * (a + c)
-        half = np.hypot(0.5 * (a - c), b)
-        rows[count, 0] = x
-        rows[count, 1] = y
-        rows[count, 2] = mean - half
-        rows[count, 3] = mean + half
-        rows[count, 4] = grow(x, y, world, np.inf, table, box)
-        rows[count, 5:] = box
-        count += 1
-    return rows[:count]
+def name_points(roots: FloatArray) -> tuple[Enclosure, ...]:
+    """Rows (n, 9) of `isolation.critical_point_near` as values, sorted by x, then y."""
+    points = []
+    for x, y, low, high, proved, x0, x1, y0, y1 in sorted(roots.tolist()):
+        kind, box = kind_of(low, high), None
+        if int(proved) != NONE:
+            kind, box = _KINDS[int(proved)], Box(x0, x1, y0, y1)
+        points.append(Enclosure(x, y, kind, (low, high), box))
+    return tuple(points)
 
 
 def find_traps(
@@ -99,22 +51,26 @@ def find_traps(
 
 
 def _start_into(field: NavigationField, p: Enclosure) -> tuple[float, float] | None:
-    """A point some way off from which a roll-out ends at p, the farthest tried."""
+    """A point some way off from which a roll-out ends at p; the farther ones first."""
     size = float(field.workspace.semi_axes.max())
-    turns = np.arange(16) * (np.pi / 8.0)
+    # A trap catches what comes from beyond it, on the way to the goal.
+    behind = np.arctan2(p.y - field.goal[1], p.x - field.goal[0])
+    turns = behind + np.array([0.0, 0.7, -0.7, 1.7, -1.7, np.pi])
     ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    for distance in (0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4):
+    for distance in (0.1, 0.03, 0.01, 1e-3, 1e-4):
         starts = np.array([p.x, p.y]) + distance * size * ring
-        starts = starts[np.asarray(min_beta(starts, field)) > 0.0]
-        step = min(0.02, 0.3 * distance) * size
-        statuses, ends = rollout_ends(starts, field, step=step, max_steps=1000)
-        for q, status, end in zip(starts, statuses, ends, strict=True):
-            missed = float(np.hypot(end[0] - p.x, end[1] - p.y))
-            if status is RolloutStatus.TRAPPED and missed <= 0.05 * distance * size:
-                return float(q[0]), float(q[1])
+        for start in starts[np.asarray(min_beta(starts, field)) > 0.0]:
+            _, ends = rollout_ends(
+                start, field, step=0.1 * distance * size, max_steps=500
+            )
+            # In a stiff valley the last steps take long: nearly there will do.
+            missed = float(np.hypot(ends[0, 0] - p.x, ends[0, 1] - p.y))
+            if missed <= 0.02 * distance * size:
+                return float(start[0]), float(start[1])
     return None
 
 
+# A side of the grid on which components are told apart.
 _CELLS: Final = 160
 
 
@@ -158,7 +114,7 @@ def contacts(field: NavigationField) -> tuple[str, ...]:
 
 def find_doubts(world: World, left: FloatArray, resolution: float) -> tuple[Doubt, ...]:
     """Groups open boxes (n, 4) that touch, and says what is the matter with each."""
-    table = np.empty((len(world.exponents), COLUMNS, 2))
+    table = new_table(world)
     doubts = []
     for x0, x1, y0, y1 in _hulls(left).tolist():
         box = Box(x0, x1, y0, y1)
@@ -185,10 +141,14 @@ def _explain(box: Box, cut: list[int], resolution: float) -> tuple[Cause, str]:
             f"{' and '.join(names)} touch {where}: moving one of them by more than "
             f"{10.0 * resolution:.1g} decides"
         )
-    beside = f" beside {names[0]}" if names else ""
+    if names:
+        return "resolution", (
+            f"the field beside {names[0]} changes within the width of the smallest "
+            f"boxes {where}: a finer resolution may decide"
+        )
     return "degeneracy", (
-        f"two critical points merge or are born{beside} {where}: another kappa, or "
-        "an obstacle moved or resized by a millionth, decides"
+        f"two critical points merge or are born {where}: another kappa, or an obstacle "
+        "moved or resized by a millionth, decides"
     )
 
 

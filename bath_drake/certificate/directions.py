@@ -44,7 +44,7 @@ def _is_near(t: FloatArray, j: int) -> bool:
 @njit(cache=True, nogil=True)
 def force_direction(
     x: Interval, y: Interval, world: World, t: FloatArray
-) -> tuple[float, float]:
+) -> tuple[bool, float, float]:
     """The unit force -F at the middle, or out of the boundaries that cut the box."""
     fx, fy = _attraction(x, y, world)
     sx = 0.0
@@ -68,8 +68,8 @@ def force_direction(
         fy = sy
     n = math.hypot(fx, fy)
     if not n > 0.0:
-        return 0.0, 0.0
-    return fx / n, fy / n
+        return False, 0.0, 0.0
+    return True, fx / n, fy / n
 
 
 @njit(cache=True, nogil=True)

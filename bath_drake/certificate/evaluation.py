@@ -2,6 +2,7 @@
 
 from typing import Final
 
+import numpy as np
 from numba import njit
 
 from bath_drake.certificate.intervals import (
@@ -23,7 +24,7 @@ from bath_drake.certificate.intervals import (
 from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 
-# Columns of a table (Q + 1, COLUMNS, 2): a row a boundary, the rim first.
+# Columns of a table (Q + 1, columns, 2): a row a boundary, the rim first.
 BETA: Final = 0
 GX: Final = 1  # gradient over the box
 GY: Final = 2
@@ -33,7 +34,19 @@ HYY: Final = 5
 MID_BETA: Final = 6  # at the box's middle
 MID_GX: Final = 7
 MID_GY: Final = 8
-COLUMNS: Final = 9
+COLUMNS: Final = 9  # how many there are
+
+
+@njit(cache=True)
+def new_table(world: World) -> FloatArray:
+    """A table of a world; ellipses have the same Hessian everywhere, filled in here."""
+    rows = world.obstacles
+    table = np.empty((rows.shape[0] + 1, COLUMNS, 2))
+    for i in range(rows.shape[0]):
+        table[i + 1, HXX] = 2.0 * rows[i, 2]
+        table[i + 1, HXY] = 2.0 * rows[i, 3]
+        table[i + 1, HYY] = 2.0 * rows[i, 4]
+    return table
 
 
 @njit(cache=True)
@@ -126,9 +139,6 @@ def evaluate(x: Interval, y: Interval, world: World, table: FloatArray) -> bool:
         _put(table, i + 1, BETA, (below(beta[0] - first), high))
         _put(table, i + 1, GX, widen(gx, 2.0 * tx))
         _put(table, i + 1, GY, widen(gy, 2.0 * ty))
-        _put(table, i + 1, HXX, double(a))
-        _put(table, i + 1, HXY, double(b))
-        _put(table, i + 1, HYY, double(c))
         _put(table, i + 1, MID_BETA, beta)
         _put(table, i + 1, MID_GX, gx)
         _put(table, i + 1, MID_GY, gy)

@@ -17,6 +17,7 @@ from bath_drake.certificate.intervals import (
     Interval,
     above,
     add,
+    below,
     multiply,
     point,
     square,
@@ -77,14 +78,11 @@ def polish(
 
 
 @njit(cache=True, nogil=True)
-def enclose(
-    x: Interval, y: Interval, world: World, level: float, table: FloatArray
-) -> int:
+def enclose(x: Interval, y: Interval, world: World, table: FloatArray) -> int:
     """The kind of the one critical point in a box, NONE if none was proved.
 
     Krawczyk's operator maps the box into its own interior: it holds exactly one root
-    of F; the Hessian over the whole box says which kind. With a finite `level` the
-    box must lie in {psi <= level}.
+    of F; the Hessian over the whole box says which kind.
     """
     if not evaluate(x, y, world, table):
         return NONE
@@ -96,17 +94,13 @@ def enclose(
     for j in range(table.shape[0]):
         if not table[j, BETA, 0] > TINY:
             return NONE
-    if level < math.inf and not _under(gamma, world, level, table):
-        return NONE
     hxx, hxy, hyy = hessian(px, py, gamma, world, table)
     x_m = middle(x)
     y_m = middle(y)
     mx = subtract(point(x_m), point(world.goal[0]))
     my = subtract(point(y_m), point(world.goal[1]))
     fx, fy = gradient_at_middle(mx, my, world, table)
-    rx = radius(x)
-    ry = radius(y)
-    ok, nx, ny, sx, sy = newton_image(fx, fy, hxx, hxy, hyy, rx, ry)
+    ok, nx, ny, sx, sy = newton_image(fx, fy, hxx, hxy, hyy, radius(x), radius(y))
     # The half widths towards either side, rounded down.
     rx = min(x_m - x[0], x[1] - x_m) * (1.0 - 1e-15)
     ry = min(y_m - y[0], y[1] - y_m) * (1.0 - 1e-15)
@@ -124,57 +118,51 @@ def enclose(
 
 
 @njit(cache=True, nogil=True)
-def _under(gamma: Interval, world: World, level: float, t: FloatArray) -> bool:
-    most = above(world.kappa * log_bounds(gamma[1])[1])
-    for j in range(t.shape[0]):
-        most = above(most - world.exponents[j] * log_bounds(t[j, BETA, 0])[0])
-    return most <= level
-
-
-@njit(cache=True, nogil=True)
-def grow(
-    x: float,
-    y: float,
-    world: World,
-    level: float,
-    table: FloatArray,
-    box: FloatArray,
-) -> int:
-    """The kind of a root; the largest square tried that is proved to hold just it."""
-    size = max(world.rim[2], world.rim[3])
-    half = 1e-12 * size
-    kind = NONE
-    while half < size:
-        last = kind
-        found = enclose((x - half, x + half), (y - half, y + half), world, level, table)
-        if found == NONE and last != NONE:
-            break
-        if found != NONE:
-            kind = found
-            box[0] = x - half
-            box[1] = x + half
-            box[2] = y - half
-            box[3] = y + half
-        half *= 4.0
-    return kind
-
-
-@njit(cache=True, nogil=True)
-def minimum_near(
-    x: float,
-    y: float,
-    leash: float,
-    world: World,
-    level: float,
-    table: FloatArray,
-    box: FloatArray,
+def critical_point_near(
+    x: Interval, y: Interval, world: World, table: FloatArray, row: FloatArray
 ) -> bool:
-    """Whether a minimum about `leash` away was proved; its box (4,) is written.
+    """Looks for a critical point about a box and, if one is found, writes its row.
 
-    Gives up at once where psi is not convex at the point.
+    The row (9,) holds x, y, both eigenvalues of the Hessian, what was proved, and the
+    largest box tried, low and high ends, that was proved to hold it and no other (all
+    zero for NONE).
     """
-    free, _, _, a, b, c = _at(x, y, world, table)
-    if not (free and a + c > 0.0 and a * c - b * b > 0.0):
+    leash = 2.0 * max(x[1] - x[0], y[1] - y[0])
+    found, px, py, a, b, c = polish(middle(x), middle(y), leash, world, table)
+    if not found:
         return False
-    found, x, y, _, _, _ = polish(x, y, 2.0 * leash, world, table)
-    return found and grow(x, y, world, level, table, box) == MINIMUM
+    mean = 0.5 * (a + c)
+    half = math.hypot(0.5 * (a - c), b)
+    row[:] = 0.0
+    row[0] = px
+    row[1] = py
+    row[2] = mean - half
+    row[3] = mean + half
+    size = max(world.rim[2], world.rim[3])
+    half = 0.1 * size
+    while half > 1e-13 * size:
+        x = (px - half, px + half)
+        y = (py - half, py + half)
+        kind = enclose(x, y, world, table)
+        if kind != NONE:
+            row[4] = kind
+            row[5], row[6] = x
+            row[7], row[8] = y
+            break
+        half *= 0.3
+    return True
+
+
+@njit(cache=True, nogil=True)
+def psi_at(x: float, y: float, world: World, table: FloatArray) -> float:
+    """An upper bound of psi at a point of free space."""
+    evaluate(point(x), point(y), world, table)
+    px = subtract(point(x), point(world.goal[0]))
+    py = subtract(point(y), point(world.goal[1]))
+    gamma = add(square(px), square(py))
+    # At the goal itself psi is -inf; any float bounds it.
+    most = above(world.kappa * log_bounds(max(gamma[1], 1e-300))[1])
+    for j in range(table.shape[0]):
+        low = log_bounds(table[j, BETA, 0])[0]
+        most = above(most - below(world.exponents[j] * low))
+    return most

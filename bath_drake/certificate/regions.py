@@ -6,15 +6,9 @@ from typing import Literal
 import numpy as np
 from numba import njit
 
-from bath_drake.certificate.evaluation import BETA, COLUMNS, evaluate
-from bath_drake.certificate.intervals import (
-    above,
-    add,
-    point,
-    square,
-    subtract,
-)
-from bath_drake.certificate.world import World, log_bounds
+from bath_drake.certificate.evaluation import BETA, evaluate, new_table
+from bath_drake.certificate.isolation import psi_at
+from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 
 Standing = Literal["free", "outside", "edge"]
@@ -27,7 +21,7 @@ def standing(world: World, q: FloatArray) -> tuple[Standing, int]:
         'free' if every beta_j is proved positive, 'outside' if one is proved
         negative, else 'edge'; and the index j of the smallest, 0 for the rim.
     """
-    table = np.empty((len(world.exponents), COLUMNS, 2))
+    table = new_table(world)
     if not evaluate((q[0], q[0]), (q[1], q[1]), world, table):
         return "outside", _first_outside(world, q)
     low = table[:, BETA, 0]
@@ -41,7 +35,7 @@ def _first_outside(world: World, q: FloatArray) -> int:
         alone = world._replace(
             obstacles=world.obstacles[i : i + 1].copy(), exponents=np.ones(2)
         )
-        table = np.empty((2, COLUMNS, 2))
+        table = new_table(alone)
         inside_rim = world.rim.copy()
         inside_rim[:2] = q  # so that only the obstacle can say no
         alone = alone._replace(rim=inside_rim)
@@ -57,19 +51,8 @@ def level_of(world: World, points: FloatArray) -> float:
 
 @njit(cache=True, nogil=True)
 def _level(world: World, points: FloatArray) -> float:
-    table = np.empty((world.exponents.shape[0], COLUMNS, 2))
+    table = new_table(world)
     most = -math.inf
     for i in range(points.shape[0]):
-        x = point(points[i, 0])
-        y = point(points[i, 1])
-        evaluate(x, y, world, table)
-        px = subtract(x, point(world.goal[0]))
-        py = subtract(y, point(world.goal[1]))
-        gamma = add(square(px), square(py))
-        # At the goal itself psi is -inf; the smallest float bounds it well enough.
-        value = above(world.kappa * log_bounds(max(gamma[1], 1e-300))[1])
-        for j in range(table.shape[0]):
-            low = log_bounds(table[j, BETA, 0])[0]
-            value = above(value + above(-world.exponents[j] * low))
-        most = max(most, value)
+        most = max(most, psi_at(points[i, 0], points[i, 1], world, table))
     return most

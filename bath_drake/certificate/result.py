@@ -6,7 +6,7 @@ from typing import Literal
 from bath_drake.field.critical_points import Kind
 
 Verdict = Literal["proved", "refuted", "undecided"]
-Cause = Literal["tangency", "degeneracy", "uncertainty", "budget"]
+Cause = Literal["tangency", "degeneracy", "resolution", "uncertainty", "budget"]
 Component = Literal["goal", "pocket"]
 
 
@@ -86,8 +86,9 @@ class Doubt:
     Attributes:
         box: Could be neither cleared nor refuted.
         cause: 'tangency': boundaries touch there to working precision; 'degeneracy':
-            a critical point whose Hessian is nearly singular; 'uncertainty': the
-            obstacles' tolerances make the difference; 'budget': boxes ran out.
+            a critical point whose Hessian is nearly singular; 'resolution': the field
+            changes within the smallest boxes; 'uncertainty': the obstacles' tolerances
+            make the difference; 'budget': boxes ran out.
         remedy: The change that would decide it, in words.
     """
 
@@ -103,8 +104,8 @@ class Certificate:
     Attributes:
         verdict: 'proved': almost every start (of the region, if one is given) reaches
             the goal and none touches a boundary. 'refuted': a minimum besides the goal
-            exists, or the goal or a start is not in free space. 'undecided': neither
-            was shown.
+            exists, or the goal or a start is proved not to be free. 'undecided':
+            neither was shown.
         reason: The verdict in words.
         critical_points: All that were found, the goal not among them; sorted by x.
         traps: The proved minima found, each enough for 'refuted'.

@@ -5,28 +5,37 @@ from typing import Final
 import numpy as np
 from numba import njit
 
-from bath_drake.certificate.box_test import CUT, OPEN, SADDLE, box_test
-from bath_drake.certificate.evaluation import COLUMNS, middle
+from bath_drake.certificate.box_test import CONVEX, OPEN, SADDLE, box_test
+from bath_drake.certificate.evaluation import middle, new_table
 from bath_drake.certificate.intervals import Interval, above, below
-from bath_drake.certificate.isolation import minimum_near
+from bath_drake.certificate.isolation import (
+    MINIMUM,
+    NONE,
+    critical_point_near,
+    psi_at,
+)
 from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 
 # Tiles a side to begin with.
 _TILES: Final = 12
 _STACK: Final = 4096
-# From this share of the workspace's size on a minimum is looked for in open boxes.
+# From this share of the workspace's size on, boxes are searched for minima.
 _SEARCH: Final = 0.05
-# Kept of each kind of box; more are counted but not listed.
-KEPT: Final = 2000
-_TRAPS: Final = 64
+# Kept of each kind; more open boxes are counted but not listed.
+_KEPT: Final = 2000
+_ROOTS: Final = 256
 
 
 @njit(cache=True, nogil=True)
 def subdivide(
     world: World, level: float, resolution: float, budget: int
-) -> tuple[FloatArray, FloatArray, FloatArray, int, int]:
+) -> tuple[FloatArray, FloatArray, int, int]:
     """Settles the workspace's bounding box.
+
+    Newton's method is cheap: it starts in every box that may hold a minimum or
+    a saddle.
+    What it finds is enclosed, and boxes within the enclosure are settled by it.
 
     Args:
         world: The field.
@@ -35,19 +44,17 @@ def subdivide(
         budget: How many boxes are looked at; the rest is left open.
 
     Returns:
-        Boxes as rows x low, x high, y low, y high: those settled as SADDLE (n, 4),
-        those left open (m, 4), those proved to hold just a minimum (k, 4), of each
-        only the first ones; the true number of open boxes, on which alone a proof
-        may rest; and how many boxes were looked at.
+        Critical points, rows (n, 9) of `critical_point_near`; boxes left open, rows
+        (m, 4) of x low, x high, y low, y high, only the first ones; the true number
+        of open boxes; and how many boxes were looked at. A proof needs zero open
+        boxes and no minimum among the critical points.
     """
-    table = np.empty((world.exponents.shape[0], COLUMNS, 2))
-    saddles = np.empty((KEPT, 4))
-    left = np.empty((KEPT, 4))
-    traps = np.empty((_TRAPS, 4))
+    table = new_table(world)
+    roots = np.empty((_ROOTS, 9))
+    left = np.empty((_KEPT, 4))
     stack = np.empty((_STACK, 4))
-    n_saddles = 0
+    n_roots = 0
     n_left = 0
-    n_traps = 0
     looked_at = 0
     search = _SEARCH * max(world.rim[2], world.rim[3])
     for tile in range(_TILES * _TILES):
@@ -57,36 +64,27 @@ def subdivide(
             top -= 1
             x = (stack[top, 0], stack[top, 1])
             y = (stack[top, 2], stack[top, 3])
-            if _within(x, y, traps, n_traps):
+            if _within(x, y, roots[:n_roots]):
                 continue
-            found = OPEN
+            width = max(x[1] - x[0], y[1] - y[0])
             exhausted = looked_at >= budget
+            found = OPEN
             if not exhausted:
                 looked_at += 1
                 found = box_test(x, y, world, level, table)
-            if found == SADDLE:
-                if n_saddles < KEPT:
-                    saddles[n_saddles] = stack[top]
-                    n_saddles += 1
-            if found not in (OPEN, CUT):
-                continue
-            width = max(x[1] - x[0], y[1] - y[0])
-            # Newton's method is cheap, and one minimum decides the verdict.
-            if (
-                found == OPEN
-                and not exhausted
-                and width < search
-                and n_traps < _TRAPS
-                and minimum_near(
-                    middle(x), middle(y), width, world, level, table, traps[n_traps]
-                )
-                and not _known(traps, n_traps)
+            if (found == SADDLE or (found == CONVEX and width < search)) and (
+                n_roots < _ROOTS
+                and critical_point_near(x, y, world, table, roots[n_roots])
+                and _is_new(roots[n_roots], roots[:n_roots], search)
+                and _counts(roots[n_roots], level, world, table)
             ):
-                n_traps += 1
-                if _within(x, y, traps, n_traps):
+                n_roots += 1
+                if _within(x, y, roots[:n_roots]):
                     continue
+            if found != OPEN and found != CONVEX:
+                continue
             if exhausted or width <= resolution or top + 2 > _STACK:
-                if n_left < KEPT:
+                if n_left < _KEPT:
                     left[n_left] = stack[top]
                 n_left += 1
                 continue
@@ -98,13 +96,43 @@ def subdivide(
                 stack[top, 3] = middle(y)
                 stack[top + 1, 2] = stack[top, 3]
             top += 2
-    return (
-        saddles[:n_saddles],
-        left[: min(n_left, KEPT)],
-        traps[:n_traps],
-        n_left,
-        looked_at,
-    )
+    return roots[:n_roots], left[: min(n_left, _KEPT)], n_left, looked_at
+
+
+@njit(cache=True, nogil=True)
+def _within(x: Interval, y: Interval, roots: FloatArray) -> bool:
+    """Whether a box lies in one proved to hold a critical point and no other."""
+    for k in range(roots.shape[0]):
+        if (
+            roots[k, 4] != NONE
+            and x[0] >= roots[k, 5]
+            and x[1] <= roots[k, 6]
+            and y[0] >= roots[k, 7]
+            and y[1] <= roots[k, 8]
+        ):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _is_new(root: FloatArray, roots: FloatArray, search: float) -> bool:
+    near = 1e-7 * search
+    for k in range(roots.shape[0]):
+        if abs(root[0] - roots[k, 0]) <= near and abs(root[1] - roots[k, 1]) <= near:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _counts(root: FloatArray, level: float, world: World, table: FloatArray) -> bool:
+    """Whether a critical point says anything of {psi <= level}.
+
+    psi is convex in a minimum's box, so that the minimum is no higher than psi is at
+    the point found. One that may lie above the level is left to the tests.
+    """
+    if root[4] != MINIMUM or level == np.inf:
+        return True
+    return psi_at(root[0], root[1], world, table) <= level
 
 
 @njit(cache=True, nogil=True)
@@ -125,25 +153,3 @@ def _edge(centre: float, half: float, i: int) -> float:
     if i == _TILES:
         return above(above(centre + half))
     return centre + half * (2.0 * i / _TILES - 1.0)
-
-
-@njit(cache=True, nogil=True)
-def _within(x: Interval, y: Interval, traps: FloatArray, count: int) -> bool:
-    """Whether a box lies in one that is known to hold a minimum and nothing else."""
-    for k in range(count):
-        if (
-            x[0] >= traps[k, 0]
-            and x[1] <= traps[k, 1]
-            and y[0] >= traps[k, 2]
-            and y[1] <= traps[k, 3]
-        ):
-            return True
-    return False
-
-
-@njit(cache=True, nogil=True)
-def _known(traps: FloatArray, count: int) -> bool:
-    """Whether the middle of row `count` lies in an earlier row."""
-    x = 0.5 * (traps[count, 0] + traps[count, 1])
-    y = 0.5 * (traps[count, 2] + traps[count, 3])
-    return _within((x, x), (y, y), traps, count)
