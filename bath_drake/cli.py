@@ -22,6 +22,7 @@ VERBS = {
     "simulate": "build a scenario's Diagram, run it closed-loop, judge it",
     "report": "write report.html out of a run's folder",
     "diagram": "draw a scenario's block diagram",
+    "bench": "measure, and compare with what is to be reached",
     "doctor": "what is installed, what is missing, the line that fixes it",
 }
 BAD_INPUT = 2

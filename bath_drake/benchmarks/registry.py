@@ -1,0 +1,66 @@
+"""Which benchmarks there are, and what each takes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+from bath_drake.benchmarks.figures import Figure, Progress, Settings
+from bath_drake.errors import BathDrakeError
+
+# The names the command line is to have, whether or not this version has them.
+NAMES = ("field", "lasa", "strokes", "frechet", "perception", "loop", "soak")
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """One benchmark.
+
+    Attributes:
+        run: Measures; returns the figures in the order to print them.
+        uses: The names of the `Settings` it heeds.
+    """
+
+    run: Callable[[Settings, Progress], list[Figure]]
+    uses: frozenset[str] = frozenset()
+
+
+def _field(settings: Settings, progress: Progress) -> list[Figure]:
+    # Imported when asked for: compiled kernels take a second to load.
+    from bath_drake.benchmarks.field import run
+
+    return run(progress)
+
+
+BENCHMARKS = {"field": Benchmark(_field)}
+
+
+def find(name: str, settings: Settings) -> Benchmark:
+    """Returns a benchmark that can do what is asked.
+
+    Raises:
+        BathDrakeError: There is none of that name, or it does not use an option given.
+    """
+    if name not in BENCHMARKS:
+        what = "not in this version" if name in NAMES else "no such benchmark"
+        raise BathDrakeError(f"{name}: {what}; available: {', '.join(BENCHMARKS)}")
+    benchmark = BENCHMARKS[name]
+    for field in fields(settings):
+        if field.name in benchmark.uses:
+            continue
+        if getattr(settings, field.name) != field.default:
+            used = ", ".join(option(key) for key in sorted(benchmark.uses))
+            raise BathDrakeError(
+                f"{name}: {option(field.name)} is none of its options, "
+                f"allowed: {', '.join(filter(None, ['--json', used]))}"
+            )
+    return benchmark
+
+
+def option(setting: str) -> str:
+    """The name of a setting on the command line."""
+    return "--" + setting.replace("_", "-")
+
+
+def users(setting: str) -> str:
+    """Which benchmarks use a setting, in words."""
+    names = [name for name, found in BENCHMARKS.items() if setting in found.uses]
+    return f"used by {', '.join(names)}" if names else "no benchmark uses it yet"

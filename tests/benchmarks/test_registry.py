@@ -1,0 +1,61 @@
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from bath_drake.benchmarks import registry
+from bath_drake.benchmarks.figures import Settings
+from bath_drake.benchmarks.registry import BENCHMARKS, NAMES, Benchmark, find
+from bath_drake.errors import BathDrakeError
+
+GIVEN = [
+    (Settings(data=Path("data")), "--data"),
+    (Settings(held_out=True), "--held-out"),
+    (Settings(peers=True), "--peers"),
+    (Settings(hours=2.0), "--hours"),
+]
+
+
+def test_every_benchmark_has_one_of_the_fixed_names():
+    assert set(BENCHMARKS) <= set(NAMES)
+    assert "field" in BENCHMARKS
+
+
+def test_every_benchmark_uses_settings_that_exist():
+    known = {field.name for field in fields(Settings)}
+    for benchmark in BENCHMARKS.values():
+        assert benchmark.uses <= known
+
+
+def test_a_benchmark_is_found_by_name():
+    assert find("field", Settings()) is BENCHMARKS["field"]
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if n not in BENCHMARKS])
+def test_a_benchmark_to_come_is_said_to_be_missing(name):
+    with pytest.raises(BathDrakeError) as caught:
+        find(name, Settings())
+    assert str(caught.value) == f"{name}: not in this version; available: field"
+
+
+def test_other_names_are_refused():
+    with pytest.raises(BathDrakeError, match="wash: no such benchmark; available"):
+        find("wash", Settings())
+
+
+@pytest.mark.parametrize(("settings", "option"), GIVEN)
+def test_an_option_that_a_benchmark_does_not_use_is_refused(settings, option):
+    with pytest.raises(BathDrakeError) as caught:
+        find("field", settings)
+    assert str(caught.value) == (
+        f"field: {option} is none of its options, allowed: --json"
+    )
+
+
+def test_an_option_that_a_benchmark_uses_is_passed_on(monkeypatch):
+    lasa = Benchmark(lambda settings, progress: [], frozenset({"data", "held_out"}))
+    monkeypatch.setitem(BENCHMARKS, "lasa", lasa)
+    assert find("lasa", Settings(data=Path("d"), held_out=True)) is lasa
+    assert registry.users("held_out") == "used by lasa"
+    with pytest.raises(BathDrakeError, match=r"--json, --data, --held-out$"):
+        find("lasa", Settings(peers=True))
