@@ -22,6 +22,7 @@ class ChainFigures:
     controller: str
     obstacles: str
     areas: str
+    proof: str
     surface: str
     ik: str
     arm: str
@@ -42,6 +43,7 @@ def draw_chain(figures: ChainFigures) -> str:
         (6, _MIDDLE, "Arm and nozzle", "Drake plant", figures.arm),
         (3, _TOP, "Virtual obstacles", "the learned skill", figures.obstacles),
         (2, _TOP, "Restricted areas", "seen by colour", figures.areas),
+        (4, _TOP, "Certificate", "proof of the world", figures.proof),
         (4, _BOTTOM, "Tracker", "nozzle in canonical", figures.tracker),
     ]
     parts = [
@@ -66,6 +68,13 @@ def draw_chain(figures: ChainFigures) -> str:
     elbow = column[2] + _BOX_WIDTH
     x = column[3] + 24
     parts.append(_line(f"M{elbow} {top}H{elbow + 13}V{_MIDDLE - 14}H{x}V{_MIDDLE - 2}"))
+    # The world of both is proved, or the arm holds.
+    parts.append(_line(f"M{column[3] + _BOX_WIDTH} {top}H{column[4] - 2}"))
+    x = column[5] + _BOX_WIDTH / 2
+    parts.append(_line(f"M{column[4] + _BOX_WIDTH} {top}H{x}V{_MIDDLE - 2}"))
+    parts.append(
+        f'<text x="{x + 8}" y="{top + 22}" class="note">holds unless proved</text>'
+    )
     # Measured nozzle pose -> tracker -> controller closes the loop.
     low = _BOTTOM + _BOX_HEIGHT / 2
     x = column[6] + _BOX_WIDTH / 2 + 20

@@ -254,6 +254,7 @@ def _chain_figures(run: RunData) -> ChainFigures:
         controller=f"min β {number(m.get('min_beta'))}",
         obstacles=f"{len(field.obstacles)} ellipses, κ {number(field.kappa)}",
         areas=f"{sensed} found",
+        proof=str(m["certificate"]["verdict"]),
         surface=f"normal {number(m.get('normal_error_deg', {}).get('mean'))}° off",
         ik=f"{held} hold{'s' if held != 1 else ''}",
         arm=f"{number(m.get('surface_error_mm', {}).get('mean'))} mm off",
