@@ -14,6 +14,8 @@ from write_wiring import shipped_diagram
 from bath_drake import diagrams
 from bath_drake.control.approach import Phase
 from bath_drake.control.certified_world import WorldVerdict
+from bath_drake.field.navigation import NavigationField
+from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.resources import models_folder
 from bath_drake.run_folder import write_metrics
@@ -162,6 +164,30 @@ class ShutteredCamera:
 
     def depth_image_32F_output_port(self):
         return self._shutter.GetOutputPort("shuttered_depth")
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_a_skill_whose_world_traps_never_moves_the_arm():
+    scenario = load_scenario("reproduction")
+    scenario.duration = 1.0
+    skill = shipped_skill(scenario)
+    # A wall between start and goal, broadside: the start's own region traps too.
+    wall = ObstacleSet(np.array([[-0.3, 0.0, 0.03, 0.9, 0.0]]))
+    field = NavigationField(skill.field.workspace, skill.field.goal, 10.0, wall)
+    log = run(
+        diagrams.build_reproduction(scenario, replace(skill, field=field)), scenario
+    )
+    seen = log.time > 0.05
+    assert (log.certificate_verdict[seen] == WorldVerdict.REFUTED).all()
+    assert (log.hold_reason[seen] == HoldReason.UNSOUND_WORLD).all()
+    np.testing.assert_array_equal(
+        log.joint_command[:, :7], np.tile(log.joint_command[0, :7], (len(seen), 1))
+    )
+    metrics = evaluate(log, scenario, skill).metrics
+    assert metrics["certificate"]["verdict"] == "refuted"
+    assert metrics["checks"]["moved_unproved"]["pass"]
+    assert metrics["verdict"] == "fail"
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from bath_drake.certificate.certify import certify
 from bath_drake.errors import BathDrakeError, DemonstrationError
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
-from bath_drake.learning import shooting
+from bath_drake.learning import learner, shooting
 from bath_drake.learning.config import LearnerConfig, Method
 from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem, ValidityMargins
 from bath_drake.learning.frechet import discrete_frechet
@@ -51,6 +51,35 @@ def test_the_same_seed_gives_the_same_skill(make_strokes: MakeStrokes) -> None:
     done = [c[0] for c in calls]
     assert done == sorted(done)
     assert calls[-1][0] == calls[-1][1]
+
+
+def test_a_field_that_is_not_proved_is_taken_only_if_there_is_no_other(
+    make_strokes: MakeStrokes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    strokes = make_strokes("line", 0)
+    config = replace(LearnerConfig.quick(), obstacles=0)
+    free = learn_skill(strokes, config).field
+    # Beyond the goal and broadside to it: every demonstration arrives, but what starts
+    # behind the wall is trapped.
+    x, y = free.goal
+    wall = ObstacleSet(np.array([[x + 0.7, y, 0.03, 0.6, 0.0]]))
+    trapping = replace(free, kappa=20.0).with_obstacles(wall)
+    assert certify(trapping).verdict == "refuted"
+    offered = [trapping]
+    monkeypatch.setattr(learner.search, "candidates", lambda *_: list(offered))
+    alone = learn_skill(strokes, config)
+    assert alone.field == trapping
+    assert alone.certificate.verdict == "refuted"
+    assert alone.rollout.status is RolloutStatus.ARRIVED
+    assert not alone.converged
+    # A disc beside the stroke: proved, but it pushes the motion aside.
+    disc = ObstacleSet(np.array([[0.0, 0.2, 0.15, 0.15, 0.0]]))
+    offered.append(replace(free, kappa=6.0).with_obstacles(disc))
+    both = learn_skill(strokes, config)
+    assert both.field == offered[1]
+    assert both.certificate.passed
+    # Had the distance decided, it would be the other one.
+    assert both.frechet["to_mean"] > alone.frechet["to_mean"] + 0.01
 
 
 def test_a_straight_stroke_needs_no_obstacle(make_strokes: MakeStrokes) -> None:
