@@ -6,6 +6,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bath_drake.certificate.certify import certify
 from bath_drake.certificate.result import Certificate
 from bath_drake.certificate_file import content_checksum
 from bath_drake.demonstrations.canonical import CanonicalFrame
@@ -13,6 +14,7 @@ from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.learning.skill import Skill
+from bath_drake.resources import models_folder
 from bath_drake.skill_file import (
     certified,
     field_from_mapping,
@@ -27,6 +29,7 @@ from bath_drake.yaml_io import dump_yaml, parse_yaml
 
 NUMBER = st.floats(-1e6, 1e6)
 POSITIVE = st.floats(1e-6, 1e6)
+SHIPPED = sorted((models_folder() / "skills").glob("*.yaml"))
 CERTIFICATE = Certificate("proved", "no trap", notes=("made up",), boxes=7)
 FIELD_FILE = """
 about: any YAML may hold a field
@@ -286,3 +289,19 @@ def test_a_skill_of_version_1_is_refused_with_the_way_to_renew_it(tmp_path):
     save_skill(path, renewed)
     assert load_skill(path).field == skill.field
     assert load_skill(path).certificate == skill.certificate
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_shipped_skill_is_proved_by_the_proof_of_today(path):
+    skill = load_skill(path)
+    certificate = certify(skill.field)
+    assert skill.certificate["verdict"] == certificate.verdict == "proved"
+    found = [[p["x"], p["y"]] for p in skill.certificate["critical_points"]]
+    # Saddles to working precision: the last bits may differ between machines.
+    np.testing.assert_allclose(
+        found, [[p.x, p.y] for p in certificate.critical_points], atol=1e-9
+    )
+
+
+def test_there_is_a_shipped_skill():
+    assert SHIPPED

@@ -2,12 +2,14 @@
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bath_drake.certificate.result import Certificate
     from bath_drake.field.navigation import NavigationField
+    from bath_drake.learning.skill import Skill
     from bath_drake.notation import FloatArray
 
 
@@ -39,42 +41,28 @@ def run(options: argparse.Namespace) -> int:
     A skill's start must lie in free space too. Where a skill's field is not proved as a
     whole, `from_start` says what is proved of its start alone.
     """
-    from bath_drake.certificate.certify import certify
-    from bath_drake.certificate_file import certificate_to_mapping
-    from bath_drake.errors import SkillFileError
-    from bath_drake.skill_file import (
-        certified,
-        field_to_mapping,
-        is_skill_file,
-        load_field,
-        load_skill,
-        save_skill,
-    )
+    from tqdm import tqdm
+
+    from bath_drake.skill_file import certified, save_skill
     from bath_drake.yaml_io import write_atomically
 
     picture = _check_outputs(options)
-    start = None
-    if is_skill_file(options.file):
-        skill = load_skill(options.file, renew=options.renew)
-        field, start = skill.field, skill.start
-        certificate, data = _certify_skill(field, start)
-    elif options.renew:
-        raise SkillFileError(f"{options.file}: --renew is for skills, this is none")
-    else:
-        field = load_field(options.file)
-        certificate = certify(field)
-        data = certificate_to_mapping(certificate, field_to_mapping(field))
-    data["seconds"] = certificate.seconds
-    try:
-        text = json.dumps(data, indent=2, allow_nan=False)
-    except ValueError:
-        # Strict JSON has no NaN; only numbers at the edge of float64 lead there.
-        raise SkillFileError(
-            f"{options.file}: field: its numbers are too large or small to certify"
-        ) from None
-    if picture is not None:
-        _write_picture(picture, field, certificate, start)
+    with tqdm(
+        desc="certifying",
+        total=1 if picture is None else 2,
+        bar_format="{desc} {bar} [{elapsed}]",
+        leave=False,
+        disable=not sys.stderr.isatty(),
+    ) as bar:
+        skill, field, certificate, data = _certify(options.file, options.renew)
+        text = _strict_json(options.file, data)
+        bar.update()
+        if picture is not None:
+            start = None if skill is None else skill.start
+            _write_picture(picture, field, certificate, start)
+            bar.update()
     if options.renew:
+        assert skill is not None  # _certify refused what is none
         save_skill(options.file, certified(skill, certificate))
     if options.output is None:
         print(text)
@@ -82,6 +70,45 @@ def run(options: argparse.Namespace) -> int:
         write_atomically(options.output, text + "\n")
         print(f"{certificate.verdict}: {certificate.reason}")
     return 0 if certificate.passed else 1
+
+
+def _certify(
+    path: str, renew: bool
+) -> tuple["Skill | None", "NavigationField", "Certificate", dict[str, Any]]:
+    """The file's skill, if it is one, its field, the certificate, and all to print."""
+    from bath_drake.certificate.certify import certify
+    from bath_drake.certificate_file import certificate_to_mapping
+    from bath_drake.errors import SkillFileError
+    from bath_drake.skill_file import (
+        field_to_mapping,
+        is_skill_file,
+        load_field,
+        load_skill,
+    )
+
+    if is_skill_file(path):
+        skill = load_skill(path, renew=renew)
+        certificate, data = _certify_skill(skill.field, skill.start)
+        field = skill.field
+    elif renew:
+        raise SkillFileError(f"{path}: --renew is for skills, this is none")
+    else:
+        skill, field = None, load_field(path)
+        certificate = certify(field)
+        data = certificate_to_mapping(certificate, field_to_mapping(field))
+    return skill, field, certificate, data | {"seconds": certificate.seconds}
+
+
+def _strict_json(path: str, data: dict[str, Any]) -> str:
+    from bath_drake.errors import SkillFileError
+
+    try:
+        return json.dumps(data, indent=2, allow_nan=False)
+    except ValueError:
+        # Strict JSON has no NaN; only numbers at the edge of float64 lead there.
+        raise SkillFileError(
+            f"{path}: field: its numbers are too large or small to certify"
+        ) from None
 
 
 def _check_outputs(options: argparse.Namespace) -> Path | None:
