@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
     with tqdm(
         desc="certifying",
         total=1 if picture is None else 2,
-        bar_format="{desc} {bar} [{elapsed}]",
+        unit="step",
         leave=False,
         disable=not sys.stderr.isatty(),
     ) as bar:
