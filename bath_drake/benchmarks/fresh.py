@@ -22,7 +22,8 @@ def first_calls(warm: int) -> list[dict[str, float]]:
 
     Each is the first certificate, flow and roll-outs of a fresh interpreter: `numba`
     holds the seconds its import took, `call` those of the project's own imports and
-    of the call, whatever it had to compile or load.
+    of the call, whatever it had to compile or load, and `cpu` what the processor
+    spent on these.
     """
     with tempfile.TemporaryDirectory() as folder:
         return [
@@ -61,7 +62,7 @@ def _first_call() -> dict[str, float]:
     begin = time.perf_counter()
     import numba  # noqa: F401 - its import is what is timed
 
-    imported = time.perf_counter()
+    imported, work = time.perf_counter(), time.process_time()
     from bath_drake.benchmarks.random_worlds import RADIUS, disjoint_world
     from bath_drake.certificate.certify import certify
     from bath_drake.field.navigation import flow_direction
@@ -73,7 +74,11 @@ def _first_call() -> dict[str, float]:
     flow_direction(q, field)
     rollout(q[0], field)
     rollouts(q, field)
-    return {"numba": imported - begin, "call": time.perf_counter() - imported}
+    return {
+        "numba": imported - begin,
+        "call": time.perf_counter() - imported,
+        "cpu": time.process_time() - work,
+    }
 
 
 def _uncompiled_proof(worlds: int) -> dict[str, float]:
