@@ -31,6 +31,7 @@ from bath_drake.certificate.evaluation import (
     new_table,
 )
 from bath_drake.certificate.intervals import add, point, square, subtract
+from bath_drake.certificate.regions import standing
 from bath_drake.certificate.world import Uncertainty, interval_world
 from bath_drake.field.critical_points import find_critical_points
 from bath_drake.field.navigation import NavigationField
@@ -206,6 +207,45 @@ def test_with_uncertainty_every_realisation_lies_in_the_enclosures(
         assert table[1, BETA, 0] - rounding <= value <= table[1, BETA, 1] + rounding
     else:
         assert min(rim, value) <= rounding
+
+
+@given(rows, st.floats(-1e9, 1e9))
+def test_the_quadratic_form_of_an_ellipse_lies_in_its_enclosure(row, turns) -> None:
+    for angle in (row[4], turns):
+        field = make(5.0, [*row[:4], angle])
+        ((_, _, a, b, angle),) = field.obstacles.theta.astype(np.longdouble)
+        c, s = np.cos(angle), np.sin(angle)
+        p, r = 1 / a**2, 1 / b**2
+        # Extended precision errs by 1e-19 of the larger term, the enclosure is 1e-15
+        # wide.
+        exact = (c * c * p + s * s * r, c * s * (p - r), s * s * p + c * c * r)
+        for (low, high), value in zip(
+            interval_world(field, None).obstacles[0, 2:], exact, strict=True
+        ):
+            assert low <= value <= high
+            assert high - low <= 1e-13 * float(max(p, r))
+
+
+@given(rows, st.floats(-4.0, 4.0), st.floats(-16.0, -3.0), st.booleans())
+def test_points_near_a_boundary_stand_where_they_do(
+    row, turn: float, log_distance: float, out: bool
+) -> None:
+    distance = (1.0 if out else -1.0) * 10.0**log_distance
+    field = make(5.0, row, semi_axes=(20.0, 20.0))
+    x, y, a, b, angle = row
+    u, v = a * (1 + distance) * np.cos(turn), b * (1 + distance) * np.sin(turn)
+    c, s = np.cos(angle), np.sin(angle)
+    q = np.array([x + c * u - s * v, y + s * u + c * v])
+    value = least_beta(q, field)
+    where, boundary = standing(interval_world(field, None), q)
+    # Extended precision is right to 1e-17 or so, times 1 / 0.05^2.
+    if where == "free":
+        assert value > -1e-15
+    elif where == "outside":
+        assert value < 1e-15
+        assert boundary == 1
+    if abs(distance) > 1e-10:  # and it is not always in doubt
+        assert where == ("free" if out else "outside")
 
 
 # Worlds with narrow places, traps, overlaps and every kind of boundary.
