@@ -19,7 +19,6 @@ component of this compact set holds a minimum. It says nothing of a world that m
 of a robot that is no point, or of steps so long that they leave the curve.
 """
 
-import math
 import time
 from dataclasses import replace
 from typing import Final
@@ -33,10 +32,10 @@ from bath_drake.certificate.diagnosis import (
     find_traps,
     name_points,
 )
-from bath_drake.certificate.regions import level_of, standing
+from bath_drake.certificate.regions import WHOLE, level_of, standing
 from bath_drake.certificate.result import Box, Certificate, Doubt
 from bath_drake.certificate.subdivision import subdivide
-from bath_drake.certificate.world import Uncertainty, World, interval_world
+from bath_drake.certificate.world import Uncertainty, interval_world
 from bath_drake.field.navigation import NavigationField
 from bath_drake.notation import FloatArray
 
@@ -62,6 +61,8 @@ def certify(
         field: The world: workspace, goal, kappa and all obstacles.
         starts: Points (..., 2) in N. If given, only {psi <= c} is certified, with c
             the greatest psi of them: the least set of this kind that holds them all.
+            'refuted' then means that the set holds a minimum, be it in another
+            component of the set than the starts.
         uncertainty: If given, a proof or a refutation holds for every realisation.
         budget: How many boxes are looked at, > 0.
         resolution: Width at which boxes are left open, as a share of the
@@ -76,17 +77,17 @@ def certify(
     if not 0.0 < resolution < 1.0:
         raise ValueError(f"resolution must be between 0 and 1, got {resolution}")
     given = None if starts is None else _rows(starts)
-    world = interval_world(field, uncertainty)
-    found = _settle(field, world, given, budget, resolution)
+    found = _settle(field, uncertainty, given, budget, resolution)
     if found.verdict == "undecided" and uncertainty is not None:
-        exact = interval_world(field, None)
-        nominal = _settle(field, exact, given, budget, resolution).verdict
+        nominal = _settle(field, None, given, budget, resolution).verdict
         if nominal != "undecided":
             found = _blame_uncertainty(found, nominal)
     return replace(found, seconds=time.perf_counter() - begin)
 
 
-def certify_from(field: NavigationField, starts: ArrayLike) -> Certificate:
+def certify_from(
+    field: NavigationField, starts: ArrayLike, *, budget: int = BUDGET
+) -> Certificate:
     """Proves that almost every motion from about the given starts reaches the goal.
 
     The whole field is proved where that can be had, else the starts' own sublevel
@@ -95,17 +96,18 @@ def certify_from(field: NavigationField, starts: ArrayLike) -> Certificate:
     Args:
         field: The world.
         starts: Points (..., 2) in N; one that is not in free space refutes.
+        budget: How many boxes are looked at for each of the two, > 0.
 
     Raises:
         ValueError: A start is not two finite numbers.
     """
     begin = time.perf_counter()
     given = _rows(starts)
-    found = _misplaced(field, interval_world(field, None), given)
+    found = _misplaced(field, None, given)
     if found is None:
-        found = certify(field)
+        found = certify(field, budget=budget)
         if not found.passed:
-            region = certify(field, starts=given)
+            region = certify(field, starts=given, budget=budget)
             best = region if region.passed else found
             found = replace(best, boxes=found.boxes + region.boxes)
     return replace(found, seconds=time.perf_counter() - begin)
@@ -120,19 +122,20 @@ def _rows(starts: ArrayLike) -> FloatArray:
 
 def _settle(
     field: NavigationField,
-    world: World,
+    uncertainty: Uncertainty | None,
     starts: FloatArray | None,
     budget: int,
     resolution: float,
 ) -> Certificate:
-    found = _misplaced(field, world, starts)
+    found = _misplaced(field, uncertainty, starts)
     if found is not None:
         return found
-    level = math.inf if starts is None else level_of(world, starts)
+    world = interval_world(field, uncertainty)
+    level = WHOLE if starts is None else level_of(world, starts)
     width = resolution * float(field.workspace.semi_axes.max())
     roots, left, unsettled, boxes = subdivide(world, level, width, budget)
     points = name_points(roots)
-    part = "free space" if math.isinf(level) else "the starts' sublevel set"
+    part = "free space" if starts is None else "the starts' sublevel set"
     traps = find_traps(field, points)
     if traps:
         x, y = traps[0].x, traps[0].y
@@ -158,36 +161,23 @@ def _settle(
     return replace(
         found,
         critical_points=points,
-        region=None if math.isinf(level) else level,
+        region=None if starts is None else level[1],
         notes=contacts(field),
         boxes=boxes,
     )
 
 
 def _misplaced(
-    field: NavigationField, world: World, starts: FloatArray | None
+    field: NavigationField, uncertainty: Uncertainty | None, starts: FloatArray | None
 ) -> Certificate | None:
-    """The certificate of a world that is no world: ends that are not in free space."""
-    numbers = np.abs(
-        np.concatenate(
-            [
-                field.obstacles.theta[:, 2:4].ravel(),
-                field.workspace.semi_axes,
-                field.obstacles.powers,
-                [field.kappa],
-            ]
-        )
-    )
-    reach = np.abs(
-        np.concatenate(
-            [field.obstacles.theta[:, :2].ravel(), field.goal, field.workspace.centre]
-        )
-    )
-    if numbers.min() < _SMALL or max(numbers.max(), reach.max()) > _LARGE:
+    """The certificate where nothing need be settled: ends that are not free."""
+    if not _computable(field):
         return Certificate(
             "undecided",
-            f"the field holds numbers that are not between {_SMALL} and {_LARGE}",
+            f"the field holds lengths, exponents or a kappa not within "
+            f"{_SMALL:g}..{_LARGE:g}: nothing can be computed safely",
         )
+    world = interval_world(field, uncertainty)
     places = [("goal", field.goal)]
     if starts is not None:
         places += [(f"start {i}", q) for i, q in enumerate(starts)]
@@ -205,6 +195,15 @@ def _misplaced(
         doubt = Doubt(Box(x, x, y, y), "tangency", remedy)
         return Certificate("undecided", remedy, doubts=(doubt,))
     return None
+
+
+def _computable(field: NavigationField) -> bool:
+    obstacles, workspace = field.obstacles, field.workspace
+    sizes = [*obstacles.theta[:, 2:4].flat, *workspace.semi_axes, *obstacles.powers]
+    places = [*obstacles.theta[:, :2].flat, *workspace.centre, *field.goal]
+    least = min(*sizes, field.kappa)
+    most = max(*sizes, field.kappa, *(abs(place) for place in places))
+    return bool(least >= _SMALL and most <= _LARGE)
 
 
 def _blame_uncertainty(found: Certificate, nominal: str) -> Certificate:

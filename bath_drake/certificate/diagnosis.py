@@ -60,14 +60,22 @@ def _start_into(field: NavigationField, p: Enclosure) -> tuple[float, float] | N
     for distance in (0.1, 0.03, 0.01, 1e-3, 1e-4):
         starts = np.array([p.x, p.y]) + distance * size * ring
         for start in starts[np.asarray(min_beta(starts, field)) > 0.0]:
-            _, ends = rollout_ends(
-                start, field, step=0.1 * distance * size, max_steps=500
-            )
-            # In a stiff valley the last steps take long: nearly there will do.
-            missed = float(np.hypot(ends[0, 0] - p.x, ends[0, 1] - p.y))
-            if missed <= 0.02 * distance * size:
+            near = min(0.02 * distance, 1e-4) * size
+            coarse, fine = 0.1 * distance * size, 0.005 * distance * size
+            # Long steps may jump out of the basin: short ones have the last word.
+            if _ends_near(start, p, near, field, coarse) and _ends_near(
+                start, p, near, field, fine
+            ):
                 return float(start[0]), float(start[1])
     return None
+
+
+def _ends_near(
+    start: FloatArray, p: Enclosure, near: float, field: NavigationField, step: float
+) -> bool:
+    """Whether a roll-out ends near p; in a stiff valley it may not quite get there."""
+    _, ends = rollout_ends(start, field, step=step, max_steps=2000)
+    return float(np.hypot(ends[0, 0] - p.x, ends[0, 1] - p.y)) <= near
 
 
 # A side of the grid on which components are told apart.
@@ -106,7 +114,8 @@ def contacts(field: NavigationField) -> tuple[str, ...]:
         pair = ObstacleSet(obstacles.theta[[i, j]])
         if pair_gaps(pair, 180)[0, 1] <= 0.0:
             notes.append(f"obstacles {i} and {j} overlap")
-    rim = field.workspace.beta(obstacles.boundary(90))
+    with np.errstate(over="ignore"):  # -inf is as good, far out
+        rim = field.workspace.beta(obstacles.boundary(90))
     for i in np.flatnonzero((rim <= 0.0).any(axis=1)).tolist():
         notes.append(f"obstacle {i} crosses the rim")
     return tuple(notes)

@@ -72,7 +72,9 @@ def polish(
         y += dy
         if not math.hypot(x - x0, y - y0) <= leash:
             break
-        if math.hypot(dx, dy) <= 1e-13 * size:
+        # The coordinates' own rounding may be coarser, far from the origin.
+        ulp = 2.0**-52 * (abs(x) + abs(y))
+        if math.hypot(dx, dy) <= max(1e-13 * size, 4.0 * ulp):
             return True, x, y, a, b, c
     return False, x, y, 0.0, 0.0, 0.0
 
@@ -154,15 +156,19 @@ def critical_point_near(
 
 
 @njit(cache=True, nogil=True)
-def psi_at(x: float, y: float, world: World, table: FloatArray) -> float:
-    """An upper bound of psi at a point of free space."""
+def psi_at(x: float, y: float, world: World, table: FloatArray) -> Interval:
+    """Bounds of psi at a point of free space."""
     evaluate(point(x), point(y), world, table)
     px = subtract(point(x), point(world.goal[0]))
     py = subtract(point(y), point(world.goal[1]))
     gamma = add(square(px), square(py))
-    # At the goal itself psi is -inf; any float bounds it.
-    most = above(world.kappa * log_bounds(max(gamma[1], 1e-300))[1])
+    # At the goal itself psi is -inf.
+    low = -math.inf
+    if gamma[0] > 0.0:
+        low = below(world.kappa * log_bounds(gamma[0])[0])
+    high = above(world.kappa * log_bounds(max(gamma[1], 1e-300))[1])
     for j in range(table.shape[0]):
-        low = log_bounds(table[j, BETA, 0])[0]
-        most = above(most - below(world.exponents[j] * low))
-    return most
+        w = world.exponents[j]
+        low = below(low - above(w * log_bounds(table[j, BETA, 1])[1]))
+        high = above(high - below(w * log_bounds(table[j, BETA, 0])[0]))
+    return low, high

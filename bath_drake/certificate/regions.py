@@ -1,12 +1,13 @@
 """Where points stand, and the sublevel set that holds them."""
 
 import math
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numba import njit
 
 from bath_drake.certificate.evaluation import BETA, evaluate, new_table
+from bath_drake.certificate.intervals import Interval
 from bath_drake.certificate.isolation import psi_at
 from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
@@ -21,6 +22,9 @@ def standing(world: World, q: FloatArray) -> tuple[Standing, int]:
         'free' if every beta_j is proved positive, 'outside' if one is proved
         negative, else 'edge'; and the index j of the smallest, 0 for the rim.
     """
+    # Far away the numbers would overflow; nothing is free there.
+    if (np.abs(q - world.rim[:2]) > 2.0 * world.rim[2:4]).any():
+        return "outside", 0
     table = new_table(world)
     if not evaluate((q[0], q[0]), (q[1], q[1]), world, table):
         return "outside", _first_outside(world, q)
@@ -44,15 +48,26 @@ def _first_outside(world: World, q: FloatArray) -> int:
     return 0
 
 
-def level_of(world: World, points: FloatArray) -> float:
-    """An upper bound of psi over points (n, 2), all of them in free space."""
-    return float(_level(world, np.ascontiguousarray(points)))
+WHOLE: Final = (math.inf, math.inf)
+"""The level of all free space."""
+
+
+def level_of(world: World, points: FloatArray) -> Interval:
+    """Bounds of the greatest psi of points (n, 2), all of them in free space.
+
+    With uncertain obstacles each realisation has a level of its own, all within.
+    """
+    low, high = _level(world, np.ascontiguousarray(points))
+    return float(low), float(high)
 
 
 @njit(cache=True, nogil=True)
-def _level(world: World, points: FloatArray) -> float:
+def _level(world: World, points: FloatArray) -> Interval:
     table = new_table(world)
-    most = -math.inf
+    low = -math.inf
+    high = -math.inf
     for i in range(points.shape[0]):
-        most = max(most, psi_at(points[i, 0], points[i, 1], world, table))
-    return most
+        psi = psi_at(points[i, 0], points[i, 1], world, table)
+        low = max(low, psi[0])
+        high = max(high, psi[1])
+    return low, high

@@ -29,7 +29,7 @@ _ROOTS: Final = 256
 
 @njit(cache=True, nogil=True)
 def subdivide(
-    world: World, level: float, resolution: float, budget: int
+    world: World, level: Interval, resolution: float, budget: int
 ) -> tuple[FloatArray, FloatArray, int, int]:
     """Settles the workspace's bounding box.
 
@@ -39,7 +39,7 @@ def subdivide(
 
     Args:
         world: The field.
-        level: c, if only {psi <= c} is asked for; inf for all free space.
+        level: Bounds of c, if only {psi <= c} is asked for; inf for all free space.
         resolution: Boxes not wider than this are left open, units of N.
         budget: How many boxes are looked at; the rest is left open.
 
@@ -71,12 +71,12 @@ def subdivide(
             found = OPEN
             if not exhausted:
                 looked_at += 1
-                found = box_test(x, y, world, level, table)
+                found = box_test(x, y, world, level[1], table)
             if (found == SADDLE or (found == CONVEX and width < search)) and (
                 n_roots < _ROOTS
                 and critical_point_near(x, y, world, table, roots[n_roots])
                 and _is_new(roots[n_roots], roots[:n_roots], search)
-                and _counts(roots[n_roots], level, world, table)
+                and _counts(roots[n_roots], level[0], world, table)
             ):
                 n_roots += 1
                 if _within(x, y, roots[:n_roots]):
@@ -125,14 +125,14 @@ def _is_new(root: FloatArray, roots: FloatArray, search: float) -> bool:
 
 @njit(cache=True, nogil=True)
 def _counts(root: FloatArray, level: float, world: World, table: FloatArray) -> bool:
-    """Whether a critical point says anything of {psi <= level}.
+    """Whether a critical point may settle boxes of {psi <= c} for every c >= level.
 
     psi is convex in a minimum's box, so that the minimum is no higher than psi is at
     the point found. One that may lie above the level is left to the tests.
     """
     if root[4] != MINIMUM or level == np.inf:
         return True
-    return psi_at(root[0], root[1], world, table) <= level
+    return psi_at(root[0], root[1], world, table)[1] <= level
 
 
 @njit(cache=True, nogil=True)
