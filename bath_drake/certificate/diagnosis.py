@@ -60,7 +60,7 @@ def _start_into(field: NavigationField, p: Enclosure) -> tuple[float, float] | N
     for distance in (0.1, 0.03, 0.01, 1e-3, 1e-4):
         starts = np.array([p.x, p.y]) + distance * size * ring
         for start in starts[np.asarray(min_beta(starts, field)) > 0.0]:
-            near = min(0.02 * distance, 1e-4) * size
+            near = min(0.02 * distance, 3e-5) * size
             coarse, fine = 0.1 * distance * size, 0.005 * distance * size
             # Long steps may jump out of the basin: short ones have the last word.
             if _ends_near(start, p, near, field, coarse) and _ends_near(
