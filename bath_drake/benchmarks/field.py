@@ -33,7 +33,7 @@ from bath_drake.benchmarks.random_worlds import (
     free_points,
     overlapping_world,
 )
-from bath_drake.benchmarks.soundness import wrong_boxes
+from bath_drake.benchmarks.soundness import varied_world, wrong_boxes
 from bath_drake.benchmarks.timing import best_seconds, one_core, seconds
 from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, flow_direction
@@ -161,14 +161,13 @@ def uncompiled_proofs(effort: Effort, tick: _Tick) -> list[Figure]:
 
 
 def soundness_of_boxes(effort: Effort, tick: _Tick) -> list[Figure]:
-    """Random boxes about critical points, boundaries and goals, half of each world."""
+    """Random boxes about critical points, boundaries and goals of varied worlds."""
     rng = np.random.default_rng(3)
     shares = np.diff(np.linspace(0, effort.boxes, effort.box_worlds + 1).astype(int))
     wrong = 0
     for i, count in enumerate(shares.tolist()):
-        kappa = rng.uniform(2.0, 150.0)
-        make = partial(overlapping_world, count=20) if i % 2 else _twelve_disjoint
-        wrong += wrong_boxes(rng, make(rng, kappa=kappa), count)
+        field, uncertainty = varied_world(rng, i)
+        wrong += wrong_boxes(rng, field, count, uncertainty)
         tick((i + 1) / effort.box_worlds)
     return [
         Figure("soundness_boxes", effort.boxes, "", 1_000_000, "at least"),
@@ -195,7 +194,7 @@ def soundness_of_proofs(effort: Effort, tick: _Tick) -> list[Figure]:
 def directions(effort: Effort, tick: _Tick) -> list[Figure]:
     """A batch of flow directions among 12 ellipses, on one core."""
     rng = np.random.default_rng(5)
-    field = _twelve_disjoint(rng, 20.0)
+    field = disjoint_world(rng, 12, 20.0)
     q = free_points(rng, field, effort.points)
     with one_core():
         ours = best_seconds(partial(flow_direction, q, field), effort.repeats)
@@ -211,7 +210,7 @@ def directions(effort: Effort, tick: _Tick) -> list[Figure]:
 def roll_outs(effort: Effort, tick: _Tick) -> list[Figure]:
     """Roll-outs of 200 steps among 12 ellipses: one by one, and a batch."""
     rng = np.random.default_rng(6)
-    field = _twelve_disjoint(rng, 20.0)
+    field = disjoint_world(rng, 12, 20.0)
     starts = _long_starts(rng, field, effort.batch)
     few = starts[:20]
 
@@ -249,10 +248,6 @@ def first_call(effort: Effort, tick: _Tick) -> list[Figure]:
         Figure("first_call_warm_cpu", min(found["cpu"] for found in warm), "s"),
         Figure("import_of_numba", min(found["numba"] for found in warm), "s"),
     ]
-
-
-def _twelve_disjoint(rng: np.random.Generator, kappa: float) -> NavigationField:
-    return disjoint_world(rng, 12, kappa)
 
 
 def _prove(

@@ -44,14 +44,12 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if all targets are met, 1 if not."""
     import json
     import math
-    import sys
     import time
-
-    from tqdm import tqdm
 
     from bath_drake.benchmarks.figures import Settings, all_passed, table, to_mapping
     from bath_drake.benchmarks.machine import machine, versions
     from bath_drake.benchmarks.registry import find
+    from bath_drake.commands._progress import progress_bar
     from bath_drake.errors import BathDrakeError
     from bath_drake.yaml_io import check_output, write_atomically
 
@@ -72,10 +70,8 @@ def run(options: argparse.Namespace) -> int:
     # Before it starts: the load it makes itself is not what others did to it.
     about = {"machine": machine(), "versions": versions()}
     began = time.perf_counter()
-    with tqdm(
-        total=1.0,
-        disable=not sys.stderr.isatty(),
-        bar_format="{desc} {bar} {percentage:.0f} % [{elapsed}]",
+    with progress_bar(
+        total=1.0, bar_format="{desc} {bar} {percentage:.0f} % [{elapsed}]"
     ) as bar:
 
         def progress(what: str, share: float) -> None:

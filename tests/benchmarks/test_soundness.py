@@ -7,9 +7,12 @@ from bath_drake.benchmarks.soundness import (
     judge,
     points_of,
     random_boxes,
+    realisation,
+    varied_world,
     wrong_boxes,
 )
 from bath_drake.certificate import box_test, isolation
+from bath_drake.certificate.world import Uncertainty
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 
@@ -54,6 +57,42 @@ def test_the_evidence_holds_the_minimum_and_the_saddles():
 def test_no_box_is_judged_wrongly(make, rng):
     for kappa in (3.0, 100.0):
         assert wrong_boxes(rng, make(rng, 8, kappa), COUNT) == 0
+
+
+@pytest.mark.parametrize("kind", range(8))
+def test_no_box_of_any_kind_of_world_is_judged_wrongly(kind, rng):
+    field, uncertainty = varied_world(rng, kind)
+    assert wrong_boxes(rng, field, 1000, uncertainty) == 0
+
+
+def test_worlds_vary_in_everything_the_proof_allows(rng):
+    worlds = [varied_world(rng, kind) for kind in range(8)]
+    assert {len(field.obstacles) for field, _ in worlds} == {12, 20}
+    assert {field.workspace.power for field, _ in worlds} == {2, 4}
+    assert sum((field.obstacles.powers != 1.0).any() for field, _ in worlds) == 2
+    assert sum(uncertainty is not None for _, uncertainty in worlds) == 2
+
+
+def test_a_realisation_keeps_within_the_uncertainty(rng):
+    field = disjoint_world(rng, 12, 5.0)
+    uncertainty = Uncertainty(centres=1e-2, semi_axes=np.full(12, 1e-3))
+    moved = realisation(rng, field, uncertainty)
+    change = np.abs(moved.obstacles.theta - field.obstacles.theta)
+    assert (change[:, :2] <= 1e-2).all()
+    assert (change[:, 2:4] <= 1e-3).all()
+    assert (change[:, :4] > 0.0).all()
+    assert (change[:, 4] == 0.0).all()
+
+
+def test_more_uncertainty_than_is_told_of_is_found_out(rng):
+    field = disjoint_world(rng, 12, 5.0)
+    moved = realisation(rng, field, Uncertainty(centres=0.05))
+    evidence = Evidence.of(moved)
+    boxes = random_boxes(rng, moved, evidence.roots, COUNT)
+    levels = np.full(COUNT, np.inf)
+    verdicts, _ = judge(field, boxes, levels, Uncertainty(centres=0.001))
+    q = points_of(rng, boxes)
+    assert evidence.against_verdicts(boxes, verdicts, levels, q).any()
 
 
 def test_a_world_without_obstacles_has_boxes_too(rng):
