@@ -11,6 +11,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 from basins import find_minima, least_beta, polish, psi, terms
+from checks import holds
 from hypothesis import given, settings
 from worlds import WORLDS, World, make, ring
 
@@ -31,7 +32,15 @@ from bath_drake.certificate.evaluation import (
     new_table,
 )
 from bath_drake.certificate.intervals import add, point, square, subtract
+from bath_drake.certificate.isolation import (
+    MAXIMUM,
+    MINIMUM,
+    NONE,
+    SADDLE_POINT,
+    enclose,
+)
 from bath_drake.certificate.regions import standing
+from bath_drake.certificate.result import Box
 from bath_drake.certificate.world import Uncertainty, interval_world
 from bath_drake.field.critical_points import find_critical_points
 from bath_drake.field.navigation import NavigationField
@@ -360,6 +369,30 @@ def _random_world(rng) -> NavigationField:
 def test_no_test_clears_a_critical_point_of_random_worlds(rng) -> None:
     laid = sum(_attack(_random_world(rng), 20, rng) for _ in range(40))
     assert laid > 1000
+
+
+def test_a_box_said_to_hold_one_critical_point_does_and_of_that_kind(rng) -> None:
+    enclosed = 0
+    for _ in range(30):
+        field = _random_world(rng)
+        world = interval_world(field, None)
+        table = new_table(world)
+        for root in _roots(field):
+            for size in 5.0 * 10.0 ** rng.uniform(-12.0, -0.5, 20):
+                # Half of the boxes miss the root by up to their own width.
+                s, t = rng.uniform(-1.0, 2.0, 2)
+                x = (root.x - s * size, root.x + (1.0 - s) * size)
+                y = (root.y - t * size, root.y + (1.0 - t) * size)
+                kind = enclose(x, y, world, table)
+                if kind == NONE:
+                    continue
+                enclosed += 1
+                held = polish(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), field)
+                assert held is not None
+                assert holds(Box(*x, *y), held)
+                true = SADDLE_POINT if held.low < 0.0 else MINIMUM
+                assert kind == (MAXIMUM if held.high < 0.0 else true)
+    assert enclosed > 300
 
 
 @pytest.mark.slow

@@ -201,6 +201,8 @@ def test_far_from_the_origin_a_verdict_is_the_true_one_or_none(offset: float) ->
         make(10, [0, 0, 1e-14, 3, 0.5]),
         make(10, semi_axes=(1e-14, 1e14), goal=(0, 0)),
         make(10, [1e-70, 0, 1e-70, 1e-70, 0]),
+        make(10, [1e200, 0, 1e200, 1e200, 0]),
+        make(10, [0, 0, 1e-200, 1e-200, 0]),
         make(1e300, [0, 0, 1, 1, 0]),
         make(10, goal=(5.0 - 1e-15, 0)),
         make(10, centre=(1e300, 0), goal=(1e300, 0)),

@@ -217,6 +217,29 @@ def test_more_uncertainty_never_makes_a_proof_of_what_is_none(
         assert not (less != "refuted" and more == "refuted")
 
 
+def test_a_region_is_refuted_under_uncertainty_only_if_every_realisation_is() -> None:
+    # The start's psi is a thousandth below the trap's: its own set is free of traps.
+    # Tolerances raise the level that surely holds the start, past the trap.
+    trap = polish(-0.97537, 0.0, BROADSIDE)
+    assert trap is not None
+    level = float(psi([trap.x, trap.y], BROADSIDE)) - 1e-3
+    low, high = -0.303, 2.9  # from the ellipse on, psi falls towards the goal
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        above = float(psi([middle, 0.3], BROADSIDE)) > level
+        low, high = (middle, high) if above else (low, middle)
+    start = [[high, 0.3]]
+    assert certify(BROADSIDE, starts=start).passed
+    for tolerance, verdict in ((1e-6, "proved"), (1e-5, "undecided")):
+        uncertainty = Uncertainty(tolerance, tolerance)
+        found = certify(BROADSIDE, starts=start, uncertainty=uncertainty)
+        assert found.verdict == verdict
+    # A start well above the trap stays refuted.
+    uncertainty = Uncertainty(1e-5, 1e-5)
+    found = certify(BROADSIDE, starts=BEHIND, uncertainty=uncertainty)
+    assert found.verdict == "refuted"
+
+
 def test_uncertainty_is_named_as_the_cause_where_it_makes_the_difference() -> None:
     # A gap of 2 % of the radius passes, one of 0.2 % traps: tolerances that reach
     # from the one to the other leave both possible.
@@ -226,6 +249,21 @@ def test_uncertainty_is_named_as_the_cause_where_it_makes_the_difference() -> No
     assert found.verdict == "undecided"
     assert {d.cause for d in found.doubts} == {"uncertainty"}
     assert certify(field, uncertainty=Uncertainty(centres=0.001)).passed
+
+
+def test_each_obstacle_can_have_a_tolerance_of_its_own() -> None:
+    gap = [[-0.5, 0.85, 0.8, 0.8, 0.0], [-0.5, -0.85, 0.8, 0.8, 0.0]]
+    field = make(20, *gap, [-3.0, 3.0, 0.3, 0.3, 0.0])
+
+    def verdict(*centres: float) -> str:
+        return certify(field, uncertainty=Uncertainty(centres=centres)).verdict
+
+    # The far obstacle may lie anywhere within 0.02; the two at the gap may not.
+    assert verdict(0.0, 0.0, 0.02) == "proved"
+    assert verdict(0.02, 0.02, 0.0) == "undecided"
+    even = Uncertainty(np.full(3, 1e-3), np.full(3, 1e-3))
+    one, two = (certify(field, uncertainty=u) for u in (even, Uncertainty(1e-3, 1e-3)))
+    assert replace(one, seconds=0.0) == replace(two, seconds=0.0)
 
 
 def test_a_goal_or_start_that_only_some_realisations_leave_free_is_undecided() -> None:
