@@ -92,7 +92,7 @@ def take_certificate(block: Block, field_block: dict[str, Any]) -> Certificate:
     verdict = _take_one_of(block, "verdict", get_args(Verdict))
     reason = block.take("reason", str)
     region = None if block.take_null("region") else block.take("region", float)
-    witness = _take_point(block, "witness")
+    witness = None if block.take_null("witness") else _take_point(block, "witness")
     points = tuple(_take_enclosure(b) for b in block.take_blocks("critical_points"))
     traps = tuple(_take_trap(b) for b in block.take_blocks("traps"))
     doubts = tuple(_take_doubt(b) for b in block.take_blocks("doubts"))
@@ -135,9 +135,7 @@ def _box(box: Box) -> dict[str, list[float]]:
     }
 
 
-def _take_point(block: Block, key: str) -> tuple[float, float] | None:
-    if block.take_null(key):
-        return None
+def _take_point(block: Block, key: str) -> tuple[float, float]:
     inner = block.take_block(key)
     point = inner.take("x", float), inner.take("y", float)
     inner.finish()

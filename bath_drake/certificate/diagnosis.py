@@ -13,7 +13,7 @@ from bath_drake.certificate.world import World
 from bath_drake.field.critical_points import Kind, kind_of
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, pair_gaps
-from bath_drake.field.rollout import rollout_ends
+from bath_drake.field.rollout import RolloutStatus, rollout_ends
 from bath_drake.notation import FloatArray, IntArray
 
 _KINDS: Final[dict[int, Kind]] = {
@@ -45,37 +45,44 @@ def find_traps(
     traps = []
     for p in minima:
         assert p.box is not None
-        start = _start_into(field, p)
+        start = _start_into(field, p, p.box)
         traps.append(Trap(p.box, p.x, p.y, _component(field, cells, p), start))
     return tuple(traps)
 
 
-def _start_into(field: NavigationField, p: Enclosure) -> tuple[float, float] | None:
-    """A point some way off from which a roll-out ends at p; the farther ones first."""
+def _start_into(field: NavigationField, p: Enclosure, box: Box) -> tuple[float, float]:
+    """A point from which a roll-out ends at the minimum p; the farther ones first."""
     size = float(field.workspace.semi_axes.max())
     # A trap catches what comes from beyond it, on the way to the goal.
     behind = np.arctan2(p.y - field.goal[1], p.x - field.goal[0])
     turns = behind + np.array([0.0, 0.7, -0.7, 1.7, -1.7, np.pi])
     ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    # psi is convex in the box: all of an ellipse of level about p flows to p, and of
+    # this radius a disc lies well within one.
+    low, high = p.eigenvalues
+    inner = 0.25 * box.width * np.sqrt(max(low, 0.0) / high)
     for distance in (0.1, 0.03, 0.01, 1e-3, 1e-4):
         starts = np.array([p.x, p.y]) + distance * size * ring
         for start in starts[np.asarray(min_beta(starts, field)) > 0.0]:
-            near = min(0.02 * distance, 3e-5) * size
-            coarse, fine = 0.1 * distance * size, 0.005 * distance * size
             # Long steps may jump out of the basin: short ones have the last word.
-            if _ends_near(start, p, near, field, coarse) and _ends_near(
-                start, p, near, field, fine
+            if all(
+                _ends_at(start, p, inner, field, share * distance * size)
+                for share in (0.1, 0.005)
             ):
                 return float(start[0]), float(start[1])
-    return None
+    return p.x + float(inner) * float(ring[0, 0]), p.y + float(inner) * float(
+        ring[0, 1]
+    )
 
 
-def _ends_near(
-    start: FloatArray, p: Enclosure, near: float, field: NavigationField, step: float
+def _ends_at(
+    start: FloatArray, p: Enclosure, inner: float, field: NavigationField, step: float
 ) -> bool:
-    """Whether a roll-out ends near p; in a stiff valley it may not quite get there."""
-    _, ends = rollout_ends(start, field, step=step, max_steps=2000)
-    return float(np.hypot(ends[0, 0] - p.x, ends[0, 1] - p.y)) <= near
+    """Whether a roll-out stops at p or must go there; one that creeps by does not."""
+    statuses, ends = rollout_ends(start, field, step=step, max_steps=5000)
+    missed = float(np.hypot(ends[0, 0] - p.x, ends[0, 1] - p.y))
+    stopped = statuses[0] is RolloutStatus.TRAPPED
+    return missed <= inner or (stopped and missed <= step)
 
 
 # A side of the grid on which components are told apart.

@@ -68,15 +68,15 @@ class Trap:
         y: Where, in N, to working precision.
         component: Whether the trap is in the goal's component of free space or in a
             pocket that obstacles close off (judged on a grid).
-        start: A point from which a roll-out was seen to end in the trap, or None if
-            none of those tried did.
+        start: A point from which the flow ends in the trap: one some way off where
+            roll-outs showed it, else one right beside the minimum.
     """
 
     box: Box
     x: float
     y: float
     component: Component
-    start: tuple[float, float] | None
+    start: tuple[float, float]
 
 
 @dataclass(frozen=True)

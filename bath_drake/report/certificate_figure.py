@@ -230,10 +230,9 @@ def _draw_ways_into_traps(
 ) -> None:
     label = "a way into it"
     for trap in certificate.traps:
-        if trap.start is not None:
-            path = rollout(trap.start, field).path
-            axes.plot(*path.T, color=style.FAIL, lw=2.0, zorder=4, label=label)
-            label = ""
+        path = rollout(trap.start, field).path
+        axes.plot(*path.T, color=style.FAIL, lw=2.0, zorder=4, label=label)
+        label = ""
 
 
 def _write_title(
