@@ -25,7 +25,7 @@ FULL = Certificate(
     ),
     traps=(
         Trap(BOX, 0.0, 0.5, "goal", (0.1, 0.2)),
-        Trap(BOX, 0.0, 0.5, "pocket", None),
+        Trap(BOX, 0.0, 0.5, "pocket", (0.0, 1e-17)),
     ),
     doubts=(Doubt(BOX, "tangency", "widen the slit"),),
     region=2.5,
