@@ -55,7 +55,7 @@ def quadratic_forms(theta: FloatArray, exponents: FloatArray) -> FloatArray:
 
 
 @inlined
-def _even_powers(t: float, power: float) -> tuple[float, float, float]:
+def even_powers(t: float, power: float) -> tuple[float, float, float]:
     """|t|^p, its first and its second derivative, for an even p >= 2."""
     if power == 2.0:
         return t * t, 2.0 * t, 2.0
@@ -69,8 +69,8 @@ def _even_powers(t: float, power: float) -> tuple[float, float, float]:
 @inlined
 def _rim(x: float, y: float, workspace: FloatArray) -> tuple[float, float, float]:
     """beta_0 and its gradient."""
-    u, du, _ = _even_powers((x - workspace[0]) / workspace[2], workspace[4])
-    v, dv, _ = _even_powers((y - workspace[1]) / workspace[3], workspace[4])
+    u, du, _ = even_powers((x - workspace[0]) / workspace[2], workspace[4])
+    v, dv, _ = even_powers((y - workspace[1]) / workspace[3], workspace[4])
     return max(1.0 - u - v, -1e300), -du / workspace[2], -dv / workspace[3]
 
 
@@ -178,8 +178,8 @@ def curvature(
     Built factor by factor: for exponent 1 nothing grows faster than 1 / beta_i near a
     boundary, so nothing of order 1 / beta_i^2 has to cancel.
     """
-    u, du, ddu = _even_powers((x - workspace[0]) / workspace[2], workspace[4])
-    v, dv, ddv = _even_powers((y - workspace[1]) / workspace[3], workspace[4])
+    u, du, ddu = even_powers((x - workspace[0]) / workspace[2], workspace[4])
+    v, dv, ddv = even_powers((y - workspace[1]) / workspace[3], workspace[4])
     b = max(1.0 - u - v, floor)
     sx = -du / workspace[2] / b
     sy = -dv / workspace[3] / b

@@ -92,7 +92,8 @@ class TimedRollout:
     status: RolloutStatus
 
 
-def _check(step: float, max_steps: int, goal_tolerance: float) -> None:
+def check_rollout(step: float, max_steps: int, goal_tolerance: float) -> None:
+    """Raises ValueError unless these are a roll-out's settings."""
     if not step > 0.0:
         raise ValueError(f"step must be positive, got {step}")
     if max_steps < 1:
@@ -124,7 +125,7 @@ def rollout(
     Raises:
         ValueError: An argument is out of its range.
     """
-    _check(step, max_steps, goal_tolerance)
+    check_rollout(step, max_steps, goal_tolerance)
     x, y = np.asarray(start, dtype=np.float64).tolist()
     path = np.empty((max_steps + 1, 2))
     workspace, gx, gy, kappa, forms = field.kernel_arguments
@@ -204,7 +205,7 @@ def _roll(
     *,
     keep: bool,
 ) -> _Batch:
-    _check(step, max_steps, goal_tolerance)
+    check_rollout(step, max_steps, goal_tolerance)
     q = np.asarray(starts, dtype=np.float64)
     if q.ndim == 0 or q.shape[-1] != 2:
         raise ValueError(f"starts must have shape (..., 2), got {q.shape}")

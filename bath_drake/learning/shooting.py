@@ -133,7 +133,7 @@ def fit(
 
     Returns x, its cost, and how many members' roll-outs that took.
 
-    Each iteration holds the coupling, linearises the roll-outs by differences, and
+    Each iteration holds the coupling, linearises the roll-outs, and
     tries several dampings in one batch.
     """
     scale = genome.scales(genome.obstacle_count(x))
