@@ -70,10 +70,9 @@ def _walk(seed: int, index: int) -> tuple[float, int]:
     return shares[1] - shares[0], looked_at
 
 
-# Found by a run over many: lines of worlds whose ends differ in verdict.
-@pytest.mark.parametrize("index", [1, 24])
-def test_on_the_way_to_an_edge_no_verdict_is_false(index: int) -> None:
-    width, looked_at = _walk(31, index)
+def test_on_the_way_to_an_edge_no_verdict_is_false() -> None:
+    # Traps of this line lie in a flat valley, past which roll-outs creep for long.
+    width, looked_at = _walk(31, 1)
     assert looked_at > 20
     # Folds in the open are decided until the force at stake is of rounding's size.
     assert width < 1e-6

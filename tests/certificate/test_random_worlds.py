@@ -34,9 +34,9 @@ def _assert_complete(found: Certificate, field) -> None:
 
 
 def test_no_random_world_gets_a_false_verdict() -> None:
-    verdicts = _attack(seed=1, count=90, starts=30)
+    verdicts = _attack(seed=1, count=60, starts=30)
     # Both verdicts must occur often, or half of the claims go untested.
-    assert min(verdicts["proved"], verdicts["refuted"]) >= 30
+    assert min(verdicts["proved"], verdicts["refuted"]) >= 20
     assert verdicts["undecided"] <= 1
 
 
