@@ -1,8 +1,8 @@
 """`bath-drake bench field`: how fast and how true the field and its proof are.
 
 Worlds are those of `random_worlds`, from fixed seeds: every run measures the same.
-Everything is warmed up first. A world's proof is timed three times and its median
-taken; batches and single roll-outs are the best of several calls.
+Everything is warmed up first. A proof of 12 obstacles is timed three times and the
+median taken, one of 20 once; batches and roll-outs are the best of several calls.
 
 Targets are for a machine that does nothing else, and for the time on the clock. Others
 that want the same cores make proofs and first calls longer in proportion: at a load of
