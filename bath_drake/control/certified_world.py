@@ -8,7 +8,8 @@ import numpy as np
 from bath_drake.certificate.certify import certify_from
 from bath_drake.certificate.result import Certificate
 from bath_drake.field.navigation import NavigationField, min_beta
-from bath_drake.field.obstacles import beta
+from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
+from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.notation import FloatArray
 
 
@@ -29,15 +30,19 @@ class CertifiedWorld:
         field: Virtual and sensed obstacles together.
         start: (2,) in N, where the motion was when the proof was made.
         certificate: Of the whole field or of all that `start` can reach.
+        made: False for what stands in before the first proof.
     """
 
     field: NavigationField
     start: FloatArray
     certificate: Certificate
+    made: bool = True
 
     @property
     def verdict(self) -> WorldVerdict:
         """The verdict as a number."""
+        if not self.made:
+            return WorldVerdict.UNKNOWN
         return WorldVerdict[self.certificate.verdict.upper()]
 
     def proves(self, field: NavigationField, point: FloatArray) -> bool:
@@ -45,21 +50,26 @@ class CertifiedWorld:
 
         It does so in no other field than its own. A proof of a region {psi <= c}
         holds as long as the point is in it: psi falls along the flow, but a nozzle
-        that was pushed aside may take the reference out.
+        that was pushed aside may take the reference out. Where the set has other
+        components, one from which a roll-out arrives is the goal's, which is proved.
         """
         if not self.certificate.passed or field != self.field:
             return False
         region = self.certificate.region
         if region is None:
             return bool(min_beta(point, field) > 0.0)
-        return potential(point, field) <= region
+        if potential(point, field) > region:
+            return False
+        if not self.certificate.apart:
+            return True
+        return rollout(point, field).status is RolloutStatus.ARRIVED
 
     def is_stale(self, field: NavigationField, point: FloatArray) -> bool:
         """Whether a new certificate is due for the motion from `point` in `field`.
 
         For another field, and for a point that moved out of what is proved.
         """
-        if field != self.field:
+        if not self.made or field != self.field:
             return True
         moved = not np.array_equal(point, self.start)
         return moved and not self.proves(field, point)
@@ -70,6 +80,14 @@ def certify_world(field: NavigationField, start: FloatArray) -> CertifiedWorld:
     start = np.array(start, dtype=np.float64)
     start.setflags(write=False)
     return CertifiedWorld(field, start, certify_from(field, start))
+
+
+def nothing_certified() -> CertifiedWorld:
+    """What stands in before the first proof: it proves nothing."""
+    disc = Workspace(np.zeros(2), np.ones(2))
+    field = NavigationField(disc, np.zeros(2), 1.0, ObstacleSet())
+    unknown = Certificate("undecided", "no proof was made yet")
+    return CertifiedWorld(field, np.zeros(2), unknown, made=False)
 
 
 def potential(point: FloatArray, field: NavigationField) -> float:

@@ -17,6 +17,7 @@ from scipy.ndimage import grey_dilation
 from bath_drake.certificate.result import Box, Certificate
 from bath_drake.control.certified_world import potential
 from bath_drake.field.navigation import NavigationField, min_beta
+from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.field.rollout import RolloutStatus, rollout, rollout_ends
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.report import style
@@ -46,7 +47,10 @@ _SMALLEST = 0.035
 
 
 def draw_certificate(
-    field: NavigationField, certificate: Certificate, start: FloatArray | None = None
+    field: NavigationField,
+    certificate: Certificate,
+    start: FloatArray | None = None,
+    sensed: int = 0,
 ) -> Figure:
     """Draws a field, its critical points and basins, and what the proof left open.
 
@@ -54,13 +58,18 @@ def draw_certificate(
         field: The field that was certified.
         certificate: Of this field.
         start: (2,) a skill's start, if there is one.
+        sensed: How many of the obstacles, the last, are restricted areas.
     """
     figure = style.new_figure(7.1, width=10.4)
     figure.set_layout_engine("constrained", h_pad=0.12, w_pad=0.08)
     axes = figure.subplots()
     handles: list[Artist] = [*_draw_basins(axes, field)]
     draw_flow(axes, field, shade=False)
-    draw_obstacles(axes, field.obstacles, "obstacle")
+    learned = len(field.obstacles) - sensed
+    theta = field.obstacles.theta
+    draw_obstacles(axes, ObstacleSet(theta[:learned]), "obstacle")
+    areas = ObstacleSet(theta[learned:])
+    draw_obstacles(axes, areas, "restricted area", style.RESTRICTED)
     handles += _draw_region(axes, field, certificate)
     handles += _draw_boxes(axes, field, certificate)
     _draw_points(axes, certificate)

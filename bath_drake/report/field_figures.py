@@ -198,13 +198,15 @@ def workspace_outline(workspace: Workspace) -> FloatArray:
     return np.asarray(workspace.centre + workspace.semi_axes * rim)
 
 
-def draw_obstacles(axes: Axes, obstacles: ObstacleSet, label: str) -> None:
+def draw_obstacles(
+    axes: Axes, obstacles: ObstacleSet, label: str, colour: str = style.OBSTACLE
+) -> None:
     """Draws ellipses; the legend names them once."""
     for index, outline in enumerate(obstacles.boundary(96)):
         axes.add_patch(
             Polygon(
                 outline,
-                facecolor=style.OBSTACLE,
+                facecolor=colour,
                 edgecolor="black",
                 lw=0.8,
                 zorder=2.5,

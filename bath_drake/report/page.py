@@ -140,7 +140,12 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
     world = run.evaluation.world
     add(
         "certificate",
-        draw_certificate(world.field, world.certificate, world.start),
+        draw_certificate(
+            world.field,
+            world.certificate,
+            world.start,
+            run.metrics["certificate"].get("sensed_areas", 0),
+        ),
         "The world that was driven in, with its certificate",
         "Learned and sensed obstacles together. The colours tell where roll-outs from "
         "a grid of starts end; the dot is the start that the proof was made for.",

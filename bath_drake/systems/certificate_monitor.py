@@ -13,8 +13,8 @@ from pydrake.systems.framework import (
 
 from bath_drake.control.certified_world import (
     CertifiedWorld,
-    WorldVerdict,
     certify_world,
+    nothing_certified,
 )
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
@@ -41,10 +41,10 @@ class CertificateMonitor(LeafSystem):
         - world_status
 
     The state is the `CertifiedWorld` in force. It is made in a periodic update alone,
-    so that no reader of a port waits for a proof. `certified_world` is that world (None
-    before the first update), `certificate_verdict` a `WorldVerdict`,
-    `certificate_seconds` what the proof took and `certified_start` the reference, in
-    N, shape (2,), from which it was made.
+    so that no reader of a port waits for a proof. `certified_world` is that world
+    (before the first update one that proves nothing), `certificate_verdict` a
+    `WorldVerdict`, `certificate_seconds` what the proof took and `certified_start` the
+    reference, in N, shape (2,), from which it was made.
 
     `world_status` is 1 where the motion from the reference is proved in the very world
     that stands at the input ports now: all of it, or the sublevel set that the
@@ -70,10 +70,13 @@ class CertificateMonitor(LeafSystem):
         )
         self._p_NQ = self.DeclareVectorInputPort("canonical_reference", 2)
         self._reconciled = self.DeclareVectorInputPort("reconciler_status", 1)
-        self._world = self.DeclareAbstractState(Value[object]())
+        self._world = self.DeclareAbstractState(Value(nothing_certified()))
         state = {self.abstract_state_ticket(self._world)}
         self.DeclareAbstractOutputPort(
-            "certified_world", Value[object], self._calc_world, state
+            "certified_world",
+            lambda: Value(nothing_certified()),
+            self._calc_world,
+            state,
         )
         for name, size, calc in (
             ("certificate_verdict", 1, self._calc_verdict),
@@ -92,10 +95,10 @@ class CertificateMonitor(LeafSystem):
             period, 3.1 * FRAME_DELAY_S, self._certify
         )
 
-    def _in_force(self, context: Any) -> CertifiedWorld | None:
+    def _in_force(self, context: Any) -> CertifiedWorld:
         state: Any = context.get_abstract_state(int(self._world))
-        world = state.get_value()
-        return world if isinstance(world, CertifiedWorld) else None
+        world: CertifiedWorld = state.get_value()
+        return world
 
     def _driven(self, context: Context) -> NavigationField:
         field = eval_value(self._field, context, NavigationField)
@@ -103,8 +106,7 @@ class CertificateMonitor(LeafSystem):
 
     def _certify(self, context: Context, state: State) -> EventStatus:
         field, point = self._driven(context), eval_vector(self._p_NQ, context)
-        world = self._in_force(context)
-        if world is not None and not world.is_stale(field, point):
+        if not self._in_force(context).is_stale(field, point):
             return EventStatus.DidNothing()
         state.get_mutable_abstract_state(int(self._world)).set_value(
             certify_world(field, point)
@@ -115,21 +117,16 @@ class CertificateMonitor(LeafSystem):
         output.set_value(self._in_force(context))
 
     def _calc_verdict(self, context: Any, output: BasicVector) -> None:
-        world = self._in_force(context)
-        verdict = WorldVerdict.UNKNOWN if world is None else world.verdict
-        output.SetAtIndex(0, float(verdict))
+        output.SetAtIndex(0, float(self._in_force(context).verdict))
 
     def _calc_seconds(self, context: Any, output: BasicVector) -> None:
-        world = self._in_force(context)
-        output.SetAtIndex(0, 0.0 if world is None else world.certificate.seconds)
+        output.SetAtIndex(0, self._in_force(context).certificate.seconds)
 
     def _calc_start(self, context: Any, output: BasicVector) -> None:
-        world = self._in_force(context)
-        set_vector(output, [0.0, 0.0] if world is None else world.start)
+        set_vector(output, self._in_force(context).start)
 
     def _calc_status(self, context: Any, output: BasicVector) -> None:
-        world = self._in_force(context)
-        sound = world is not None and world.proves(
+        sound = self._in_force(context).proves(
             self._driven(context), eval_vector(self._p_NQ, context)
         )
         if self._reconciled.HasValue(context):

@@ -9,6 +9,7 @@ from bath_drake.control.certified_world import (
     CertifiedWorld,
     WorldVerdict,
     certify_world,
+    nothing_certified,
     potential,
 )
 from bath_drake.field.navigation import NavigationField, ln_phi
@@ -74,6 +75,13 @@ def test_what_is_not_proved_proves_nothing_and_is_tried_again_elsewhere(verdict)
     assert not world.proves(FIELD, START)
     assert not world.is_stale(FIELD, START)
     assert world.is_stale(FIELD, START + 0.01)
+
+
+def test_before_the_first_proof_nothing_is_proved_not_even_of_the_stand_in():
+    world = nothing_certified()
+    assert world.verdict is WorldVerdict.UNKNOWN
+    assert not world.proves(world.field, world.start)
+    assert world.is_stale(world.field, world.start)
 
 
 def test_the_potential_is_that_of_the_field():

@@ -48,6 +48,14 @@ def test_a_proved_world_shows_its_saddle_and_one_basin():
     assert frames(figure) == []
 
 
+def test_restricted_areas_are_told_from_learned_obstacles():
+    both = world([0.0, 0.0, 1.0, 1.0, 0.0], [-2.0, 2.5, 0.5, 0.5, 0.0])
+    figure = draw_certificate(both, certify(both), sensed=1)
+    names = legend(figure)
+    assert names.count("obstacle") == names.count("restricted area") == 1
+    assert "restricted area" not in legend(draw_certificate(both, certify(both)))
+
+
 def test_a_refuted_world_shows_its_trap_the_box_and_the_basin():
     certificate = certify(WALL)
     figure = draw_certificate(WALL, certificate)

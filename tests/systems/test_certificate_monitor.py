@@ -57,7 +57,7 @@ def test_it_gives_the_certificate_of_the_pure_function(dut):
 
 def test_before_it_has_looked_nothing_is_proved(dut):
     context = run(dut, end=0.0).get_context()
-    assert dut.GetOutputPort("certified_world").Eval(context) is None
+    assert not dut.GetOutputPort("certified_world").Eval(context).made
     assert dut.GetOutputPort("world_status").Eval(context)[0] == 0.0
     verdict = dut.GetOutputPort("certificate_verdict").Eval(context)[0]
     assert verdict == WorldVerdict.UNKNOWN
@@ -137,7 +137,7 @@ def test_reading_its_ports_proves_nothing(dut):
     context = run(dut, end=0.0).get_context()
     for k in range(dut.num_output_ports()):
         dut.get_output_port(k).Eval(context)
-    assert dut.GetOutputPort("certified_world").Eval(context) is None
+    assert not dut.GetOutputPort("certified_world").Eval(context).made
 
 
 @pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), float("inf")])
