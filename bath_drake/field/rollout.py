@@ -165,7 +165,7 @@ def rollouts(
         row += len(part)
     shape = many.shape
     return Rollouts(
-        paths.reshape(*shape, -1, 2),
+        paths.reshape(*shape, *paths.shape[1:]),
         counts.reshape(shape),
         many.codes[:, 1].reshape(shape),
         many.facts[:, 2].reshape(shape),
@@ -257,7 +257,8 @@ def timed_rollout(
     """The same path with the times at which `canonical_velocity` passes it.
 
     Between two points the speed is taken to be linear in arc length, which is
-    exact for the slow-down on a straight way into the goal.
+    exact for the slow-down on a straight way into the goal. For many paths at once
+    see `rollouts` and `path_times`.
 
     Raises:
         ValueError: An argument is out of its range (the speed must be positive).
@@ -271,12 +272,38 @@ def timed_rollout(
         max_steps=max_steps,
         goal_tolerance=goal_tolerance,
     )
-    velocity = canonical_velocity(
+    times = path_times(
         found.path,
         field,
         speed=speed,
         half_extents=half_extents,
         slow_radius=slow_radius,
+        goal_tolerance=goal_tolerance,
+    )
+    return TimedRollout(times, found.path, found.status)
+
+
+def path_times(
+    paths: ArrayLike,
+    field: NavigationField,
+    *,
+    speed: float,
+    half_extents: ArrayLike = (1.0, 1.0),
+    slow_radius: float = 0.1,
+    goal_tolerance: float = 1e-3,
+) -> FloatArray:
+    """When `canonical_velocity` passes the points of paths (..., T, 2): (..., T).
+
+    In seconds since the first point; where a padded path stays, so does its time.
+
+    Raises:
+        ValueError: An argument is out of its range (the speed must be positive).
+    """
+    if not speed > 0.0:
+        raise ValueError(f"speed must be positive, got {speed}")
+    q = np.asarray(paths, dtype=np.float64)
+    velocity = canonical_velocity(
+        q, field, speed=speed, half_extents=half_extents, slow_radius=slow_radius
     )
     v = np.linalg.norm(velocity, axis=-1)
     # The last point may lie on the goal itself, where the speed is zero; arrival
@@ -284,14 +311,15 @@ def timed_rollout(
     widest = float(np.max(np.asarray(half_extents, dtype=np.float64)))
     least = speed / widest * min(goal_tolerance / slow_radius, 1.0)
     v = np.maximum(v, least)
-    length = np.linalg.norm(np.diff(found.path, axis=0), axis=1)
-    times = np.concatenate([[0.0], np.cumsum(length / _logarithmic_mean(v))])
-    return TimedRollout(times, found.path, found.status)
+    length = np.linalg.norm(np.diff(q, axis=-2), axis=-1)
+    times = np.zeros(v.shape)
+    np.cumsum(length / _logarithmic_mean(v), axis=-1, out=times[..., 1:])
+    return times
 
 
 def _logarithmic_mean(v: FloatArray) -> FloatArray:
     """(v1 - v0) / ln(v1 / v0) of neighbours: length over it is the exact time."""
-    a, b = v[:-1], v[1:]
+    a, b = v[..., :-1], v[..., 1:]
     ratio = b / a
     close = np.abs(ratio - 1.0) < 1e-6  # there the mean is exact to 1e-13
     safe = np.where(close, 2.0, ratio)
