@@ -47,6 +47,7 @@ def certificate_to_mapping(
         "reason": certificate.reason,
         FIELD_CHECKSUM: content_checksum(field_block),
         "region": None if region is None else float(region),
+        "apart": bool(certificate.apart),
         "witness": _point(certificate.witness),
         "critical_points": [
             {
@@ -98,6 +99,7 @@ def take_certificate(block: Block, field_block: dict[str, Any]) -> Certificate:
     doubts = tuple(_take_doubt(b) for b in block.take_blocks("doubts"))
     notes = tuple(block.take_list("notes", str))
     boxes = block.take("boxes", int)
+    apart = block.take("apart", bool)
     block.finish()
     return Certificate(
         verdict=verdict,
@@ -109,6 +111,7 @@ def take_certificate(block: Block, field_block: dict[str, Any]) -> Certificate:
         notes=notes,
         witness=witness,
         boxes=boxes,
+        apart=apart,
     )
 
 

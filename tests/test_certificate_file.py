@@ -29,6 +29,7 @@ FULL = Certificate(
     ),
     doubts=(Doubt(BOX, "tangency", "widen the slit"),),
     region=2.5,
+    apart=True,
     notes=("obstacles 0 and 1 overlap",),
     witness=(0.0, 0.5),
     boxes=1234,

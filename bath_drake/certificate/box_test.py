@@ -36,6 +36,7 @@ from bath_drake.certificate.evaluation import (
     MID_BETA,
     MID_GX,
     MID_GY,
+    TINY,
     evaluate,
     get,
     gradient_at_middle,
@@ -58,7 +59,8 @@ from bath_drake.certificate.intervals import (
     square,
     subtract,
 )
-from bath_drake.certificate.world import World, log_bounds
+from bath_drake.certificate.levels import is_above
+from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 
 OUTSIDE: Final = 0
@@ -69,8 +71,6 @@ SADDLE: Final = 4
 ABOVE: Final = 5
 OPEN: Final = 6  # none of them
 CONVEX: Final = 7  # none of them, and psi looks convex: there may be a minimum
-# Where gamma or a beta may be less, nothing is divided by it: no overflow (`world`).
-TINY: Final = 1e-60
 
 
 @njit(cache=True, nogil=True)
@@ -91,7 +91,7 @@ def box_test(
     gamma = add(square(px), square(py))
     if not gamma[0] > TINY:
         return OPEN
-    if level < math.inf and _above(gamma, world, level, table):
+    if level < math.inf and is_above(gamma, world, level, table):
         return ABOVE
     rx = radius(x)
     ry = radius(y)
@@ -164,15 +164,6 @@ def _radial_at_middle(x: Interval, y: Interval, world: World, t: FloatArray) -> 
         else:
             least -= world.exponents[j] * n / t[j, BETA, 1]
     return least > 0.0
-
-
-@njit(cache=True, nogil=True)
-def _above(gamma: Interval, world: World, level: float, t: FloatArray) -> bool:
-    least = below(world.kappa * log_bounds(gamma[0])[0])
-    for j in range(t.shape[0]):
-        high = log_bounds(t[j, BETA, 1])[1]
-        least = below(least - above(world.exponents[j] * high))
-    return least > level
 
 
 @njit(cache=True, nogil=True)

@@ -14,9 +14,10 @@ eigenvalue there. Then
 3.  the starts that tend to a critical point with a negative eigenvalue have measure
     zero (its stable set is a null set), so that almost every start reaches q_d.
 
-The same holds of {psi <= c} alone if boxes where psi > c are set aside: every
-component of this compact set holds a minimum. It says nothing of a world that moves,
-of a robot that is no point, or of steps so long that they leave the curve.
+The same holds of {psi <= c} alone if boxes where psi > c are set aside, and of any of
+its components: each is compact and holds a minimum. It says nothing of a world that
+moves, of a robot that is no point, or of steps so long that they leave the curve. All
+of it is written out in docs/certificate.md.
 """
 
 import time
@@ -34,6 +35,7 @@ from bath_drake.certificate.diagnosis import (
 )
 from bath_drake.certificate.regions import WHOLE, level_of, standing
 from bath_drake.certificate.result import Box, Certificate, Doubt
+from bath_drake.certificate.separation import within_reach
 from bath_drake.certificate.subdivision import subdivide
 from bath_drake.certificate.world import Uncertainty, interval_world
 from bath_drake.field.navigation import NavigationField
@@ -59,10 +61,10 @@ def certify(
 
     Args:
         field: The world: workspace, goal, kappa and all obstacles.
-        starts: Points (..., 2) in N. If given, only {psi <= c} is certified, with c
-            the greatest psi of them: the least set of this kind that holds them all.
-            'refuted' then means that the set holds a minimum, be it in another
-            component of the set than the starts.
+        starts: Points (..., 2) in N. If given, only what they can reach is certified:
+            their components of {psi <= c}, with c the greatest psi of them.
+            'refuted' then means that the set holds a minimum and that no wall of
+            greater psi was found between it and the starts.
         uncertainty: If given, a proof or a refutation holds for every realisation.
         budget: How many boxes are looked at, > 0.
         resolution: Width at which boxes are left open, as a share of the
@@ -90,8 +92,8 @@ def certify_from(
 ) -> Certificate:
     """Proves that almost every motion from about the given starts reaches the goal.
 
-    The whole field is proved where that can be had, else the starts' own sublevel
-    set; if neither, the whole field's certificate is returned.
+    The whole field is proved where that can be had, else what the starts can reach
+    (their own sublevel set); if neither, the whole field's certificate is returned.
 
     Args:
         field: The world.
@@ -134,8 +136,12 @@ def _settle(
     level = WHOLE if starts is None else level_of(world, starts)
     width = resolution * float(field.workspace.semi_axes.max())
     roots, left, unsettled, boxes = subdivide(world, level, width, budget)
+    apart = False
+    if starts is not None and unsettled == len(left):
+        roots, left, apart = within_reach(world, level[1], starts, roots, left)
+        unsettled = len(left)
     points = name_points(roots)
-    part = "free space" if starts is None else "the starts' sublevel set"
+    part = "free space" if starts is None else "what the starts can reach"
     traps = find_traps(field, points)
     if traps:
         x, y = traps[0].x, traps[0].y
@@ -162,6 +168,7 @@ def _settle(
         found,
         critical_points=points,
         region=None if starts is None else level[1],
+        apart=apart,
         notes=contacts(field),
         boxes=boxes,
     )

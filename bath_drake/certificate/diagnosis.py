@@ -1,20 +1,27 @@
 """What stands behind a verdict: critical points, traps and doubts made readable."""
 
+import math
 from typing import Final
 
 import numpy as np
+from numba import njit
 from scipy.ndimage import label
 from scipy.sparse.csgraph import connected_components
 
 from bath_drake.certificate.evaluation import BETA, evaluate, new_table
-from bath_drake.certificate.isolation import MAXIMUM, MINIMUM, NONE, SADDLE_POINT
+from bath_drake.certificate.isolation import (
+    MAXIMUM,
+    MINIMUM,
+    NONE,
+    SADDLE_POINT,
+    polish,
+)
 from bath_drake.certificate.result import Box, Cause, Component, Doubt, Enclosure, Trap
 from bath_drake.certificate.world import World
 from bath_drake.field.critical_points import Kind, kind_of
 from bath_drake.field.navigation import NavigationField, min_beta
-from bath_drake.field.obstacles import ObstacleSet, pair_gaps
 from bath_drake.field.rollout import RolloutStatus, rollout_ends
-from bath_drake.notation import FloatArray, IntArray
+from bath_drake.notation import BoolArray, FloatArray, IntArray
 
 _KINDS: Final[dict[int, Kind]] = {
     MINIMUM: "minimum",
@@ -112,20 +119,44 @@ def _component(field: NavigationField, cells: IntArray, p: Enclosure) -> Compone
 def contacts(field: NavigationField) -> tuple[str, ...]:
     """Which obstacles overlap each other or the rim, in words."""
     obstacles = field.obstacles
-    notes: list[str] = []
-    centres = obstacles.theta[:, :2]
-    radii = obstacles.theta[:, 2:4].max(axis=1, initial=0.0)
-    apart = np.hypot(*(centres[:, None, :] - centres[None, :, :]).transpose(2, 0, 1))
-    close = np.triu(apart <= radii[:, None] + radii[None, :], 1)
-    for i, j in np.argwhere(close).tolist():
-        pair = ObstacleSet(obstacles.theta[[i, j]])
-        if pair_gaps(pair, 180)[0, 1] <= 0.0:
-            notes.append(f"obstacles {i} and {j} overlap")
+    touching = _touching(obstacles.theta.copy())
+    notes = [
+        f"obstacles {i} and {j} overlap" for i, j in np.argwhere(touching).tolist()
+    ]
     with np.errstate(over="ignore"):  # -inf is as good, far out
         rim = field.workspace.beta(obstacles.boundary(90))
     for i in np.flatnonzero((rim <= 0.0).any(axis=1)).tolist():
         notes.append(f"obstacle {i} crosses the rim")
     return tuple(notes)
+
+
+@njit(cache=True, nogil=True)
+def _touching(theta: FloatArray) -> BoolArray:
+    """Pairs i < j of ellipses that none of 180 directions separates; (Q, Q)."""
+    count = theta.shape[0]
+    touching = np.zeros((count, count), dtype=np.bool_)
+    for i in range(count):
+        for j in range(i + 1, count):
+            dx = theta[j, 0] - theta[i, 0]
+            dy = theta[j, 1] - theta[i, 1]
+            reach = max(theta[i, 2], theta[i, 3]) + max(theta[j, 2], theta[j, 3])
+            touching[i, j] = math.hypot(dx, dy) <= reach
+            for k in range(180):
+                if not touching[i, j]:
+                    break
+                ux = math.cos(k * math.pi / 180.0)
+                uy = math.sin(k * math.pi / 180.0)
+                gap = abs(dx * ux + dy * uy)
+                gap -= _support(theta[i], ux, uy) + _support(theta[j], ux, uy)
+                touching[i, j] = gap <= 0.0
+    return touching
+
+
+@njit(cache=True, nogil=True)
+def _support(row: FloatArray, ux: float, uy: float) -> float:
+    c = math.cos(row[4])
+    s = math.sin(row[4])
+    return math.hypot(row[2] * (c * ux + s * uy), row[3] * (c * uy - s * ux))
 
 
 def find_doubts(world: World, left: FloatArray, resolution: float) -> tuple[Doubt, ...]:
@@ -137,13 +168,27 @@ def find_doubts(world: World, left: FloatArray, resolution: float) -> tuple[Doub
         cut: list[int] = []
         if evaluate((x0, x1), (y0, y1), world, table):
             cut = np.flatnonzero(table[:, BETA, 0] <= 0.0).tolist()
-        doubts.append(Doubt(box, *_explain(box, cut, resolution)))
+        sharp = _is_sharp(world, box, table)
+        doubts.append(Doubt(box, *_explain(box, cut, sharp, resolution)))
         if len(doubts) == _DOUBTS:
             break
     return tuple(doubts)
 
 
-def _explain(box: Box, cut: list[int], resolution: float) -> tuple[Cause, str]:
+def _is_sharp(world: World, box: Box, table: FloatArray) -> bool:
+    """Whether a box holds a critical point that is far from merging with another."""
+    found, _, _, a, b, c = polish(*box.centre, 100.0 * box.width, world, table)
+    if not found:
+        return False
+    flattest = abs(0.5 * (a + c)) - float(np.hypot(0.5 * (a - c), b))
+    # The attraction's own curvature is about kappa over the size squared.
+    size = float(world.rim[2:4].max())
+    return bool(abs(flattest) > 1e-2 * world.kappa / size**2)
+
+
+def _explain(
+    box: Box, cut: list[int], sharp: bool, resolution: float
+) -> tuple[Cause, str]:
     x, y = box.centre
     where = f"near ({x:.6g}, {y:.6g})"
     if box.width > 1e3 * resolution:
@@ -161,6 +206,11 @@ def _explain(box: Box, cut: list[int], resolution: float) -> tuple[Cause, str]:
         return "resolution", (
             f"the field beside {names[0]} changes within the width of the smallest "
             f"boxes {where}: a finer resolution may decide"
+        )
+    if sharp:
+        return "resolution", (
+            f"a sharp critical point {where} could not be enclosed: rounder obstacles "
+            "decide"
         )
     return "degeneracy", (
         f"two critical points merge or are born {where}: another kappa, or an obstacle "

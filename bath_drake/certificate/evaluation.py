@@ -36,6 +36,9 @@ MID_GX: Final = 7
 MID_GY: Final = 8
 COLUMNS: Final = 9  # how many there are
 
+# Where gamma or a beta may be less, nothing is divided by it: no overflow.
+TINY: Final = 1e-60
+
 
 @njit(cache=True)
 def new_table(world: World) -> FloatArray:

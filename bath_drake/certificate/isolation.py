@@ -3,11 +3,13 @@
 import math
 from typing import Final
 
+import numpy as np
 from numba import njit
 
-from bath_drake.certificate.box_test import TINY, hessian, newton_image
+from bath_drake.certificate.box_test import hessian, newton_image
 from bath_drake.certificate.evaluation import (
     BETA,
+    TINY,
     evaluate,
     gradient_at_middle,
     middle,
@@ -15,15 +17,13 @@ from bath_drake.certificate.evaluation import (
 )
 from bath_drake.certificate.intervals import (
     Interval,
-    above,
     add,
-    below,
     multiply,
     point,
     square,
     subtract,
 )
-from bath_drake.certificate.world import World, log_bounds
+from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 
 # What `enclose` proved of a box.
@@ -156,19 +156,14 @@ def critical_point_near(
 
 
 @njit(cache=True, nogil=True)
-def psi_at(x: float, y: float, world: World, table: FloatArray) -> Interval:
-    """Bounds of psi at a point of free space."""
-    evaluate(point(x), point(y), world, table)
-    px = subtract(point(x), point(world.goal[0]))
-    py = subtract(point(y), point(world.goal[1]))
-    gamma = add(square(px), square(py))
-    # At the goal itself psi is -inf.
-    low = -math.inf
-    if gamma[0] > 0.0:
-        low = below(world.kappa * log_bounds(gamma[0])[0])
-    high = above(world.kappa * log_bounds(max(gamma[1], 1e-300))[1])
-    for j in range(table.shape[0]):
-        w = world.exponents[j]
-        low = below(low - above(w * log_bounds(table[j, BETA, 1])[1]))
-        high = above(high - below(w * log_bounds(table[j, BETA, 0])[0]))
-    return low, high
+def tighten(row: FloatArray, world: World, table: FloatArray) -> FloatArray:
+    """A small box that is proved to hold the critical point of a row; shape (4,)."""
+    size = max(world.rim[2], world.rim[3])
+    half = 1e-9 * size
+    while half < 0.5 * (row[6] - row[5]):
+        x = (row[0] - half, row[0] + half)
+        y = (row[1] - half, row[1] + half)
+        if enclose(x, y, world, table) != NONE:
+            return np.array([x[0], x[1], y[0], y[1]])
+        half *= 10.0
+    return row[5:].copy()

@@ -8,7 +8,7 @@ from numba import njit
 
 from bath_drake.certificate.evaluation import BETA, evaluate, new_table
 from bath_drake.certificate.intervals import Interval
-from bath_drake.certificate.isolation import psi_at
+from bath_drake.certificate.levels import psi_at
 from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 

@@ -110,7 +110,10 @@ class Certificate:
         critical_points: All that were found, the goal not among them; sorted by x.
         traps: The proved minima found, each enough for 'refuted'.
         doubts: Where the proof got stuck; empty unless 'undecided'.
-        region: The level c of the certified set {psi <= c}; None for all free space.
+        region: The level c of the certified set, the starts' components of
+            {psi <= c}; None for all free space.
+        apart: Whether {psi <= c} seems to have other components, with traps or doubts
+            of their own, of which the certificate says nothing.
         notes: Facts that do not decide: obstacles that touch the rim or each other.
         witness: For 'refuted' a point that shows it, else None.
         boxes: How many boxes were looked at.
@@ -123,6 +126,7 @@ class Certificate:
     traps: tuple[Trap, ...] = ()
     doubts: tuple[Doubt, ...] = ()
     region: float | None = None
+    apart: bool = False
     notes: tuple[str, ...] = ()
     witness: tuple[float, float] | None = None
     boxes: int = 0

@@ -12,8 +12,8 @@ from bath_drake.certificate.isolation import (
     MINIMUM,
     NONE,
     critical_point_near,
-    psi_at,
 )
+from bath_drake.certificate.levels import psi_at
 from bath_drake.certificate.world import World
 from bath_drake.notation import FloatArray
 

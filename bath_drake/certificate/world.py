@@ -22,9 +22,9 @@ from bath_drake.certificate.intervals import (
 from bath_drake.field.navigation import NavigationField
 from bath_drake.notation import FloatArray
 
-# glibc states at most 1 unit in the last place for sin and cos; other libraries are
-# not much worse. In units of 2^-52, relative to 1.
-_TRIGONOMETRIC_ERROR = 8.0 * 2.0**-52
+# Libraries' sine and cosine err by less than a unit in the last place, which for values
+# up to 1 is 2^-53; four times that.
+_TRIGONOMETRIC_ERROR = 2.0 * 2.0**-52
 
 
 @dataclass(frozen=True, eq=False)
