@@ -170,6 +170,8 @@ def _draw_region(
         x, y, height, levels=[certificate.region], colors=style.PASS, linewidths=2.2
     )
     label = "rim of what was certified"
+    if certificate.apart:
+        label += ",\nof its part about the start"
     return [Line2D([], [], color=style.PASS, lw=2.2, label=label)]
 
 

@@ -12,8 +12,9 @@ from bath_drake.safety.hold import HoldReason
 _REACH = {
     "whole": "Almost every start in free space reaches the goal, and none touches a "
     "boundary.",
-    "start": "Almost every point of the start's sublevel set, which the motion cannot "
-    "leave, flows to the goal, and none touches a boundary; elsewhere it may trap.",
+    "start": "Almost every point that the motion from its start can come to (its "
+    "component of a sublevel set) flows to the goal, and none touches a boundary; "
+    "elsewhere the field may trap.",
 }
 _SCOPE = (
     "The proof is by interval arithmetic, rounding included. It is about the field: "

@@ -68,6 +68,22 @@ def test_a_proof_of_a_region_holds_while_the_motion_is_in_it():
     assert world.is_stale(FIELD, outside)
 
 
+def test_in_another_part_of_a_region_that_traps_a_proof_says_nothing():
+    # A wall broadside to the goal: two basins, each with low ground of its own.
+    wall = ObstacleSet(np.array([[-0.2, 0.0, 0.05, 0.7, 0.0]]))
+    field = NavigationField(FIELD.workspace, FIELD.goal, 12.0, wall)
+    before, beyond = np.array([-0.45, 0.05]), np.array([0.1, 0.5])
+    level = max(potential(before, field), potential(beyond, field))
+    one = Certificate("proved", "made up", region=level)
+    apart = Certificate("proved", "made up", region=level, apart=True)
+    # As if no other part trapped, and as it is.
+    assert CertifiedWorld(field, beyond, one).proves(field, before)
+    world = CertifiedWorld(field, beyond, apart)
+    assert world.proves(field, beyond)
+    assert not world.proves(field, before)
+    assert world.is_stale(field, before)
+
+
 @pytest.mark.parametrize("verdict", ["refuted", "undecided"])
 def test_what_is_not_proved_proves_nothing_and_is_tried_again_elsewhere(verdict):
     world = of_region(np.inf, verdict)
