@@ -76,3 +76,36 @@ def random_world(kind: str, rng: np.random.Generator) -> NavigationField:
         exponents=exponents.tolist(),
         goal=(float(goal[0]), float(goal[1])),
     )
+
+
+def exotic_world(rng: np.random.Generator) -> NavigationField:
+    """Off-centre superellipses, needles, near-touching pairs, kappa 0.6 to 1000."""
+    centre = rng.uniform(-20.0, 20.0, 2)
+    semi_axes = rng.uniform(1.0, 4.0, 2)
+    count = int(rng.integers(0, 8))
+    share = rng.uniform(-0.9, 0.9, (count, 2))
+    long = semi_axes.min() * 10.0 ** rng.uniform(-2.0, -0.2, count)
+    thin = long * 10.0 ** -rng.choice([0.0, 0.3, 1.0, 1.7], count)
+    theta = np.column_stack(
+        [centre + share * semi_axes, long, thin, rng.uniform(-np.pi, np.pi, count)]
+    )
+    # Some discs are put beside the one before, a small gap or overlap between.
+    for i in range(1, count):
+        if rng.random() < 0.3:
+            gap = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-6.0, -1.5)
+            turn = rng.uniform(-np.pi, np.pi)
+            theta[i - 1, 3] = theta[i - 1, 2]
+            theta[i, 3] = theta[i, 2]
+            apart = theta[i - 1, 2] + theta[i, 2] + gap * semi_axes.min()
+            along = np.array([np.cos(turn), np.sin(turn)])
+            theta[i, :2] = theta[i - 1, :2] + apart * along
+    goal = centre + rng.uniform(-0.7, 0.7, 2) * semi_axes
+    return make(
+        10.0 ** rng.uniform(-0.2, 3.0),
+        *leave_free(theta, goal, 0.02).tolist(),
+        exponents=(10.0 ** rng.uniform(-2.0, 1.3, count)).tolist(),
+        goal=(float(goal[0]), float(goal[1])),
+        centre=(float(centre[0]), float(centre[1])),
+        semi_axes=(float(semi_axes[0]), float(semi_axes[1])),
+        power=int(rng.choice([2, 4, 6, 8])),
+    )
