@@ -82,6 +82,14 @@ def roll_out(
 
 
 @compiled
+def _copy(source: FloatArray, count: int, target: FloatArray, to: int) -> None:
+    # Assigned slices take numba seconds to compile.
+    for i in range(count):
+        target[to + i, 0] = source[i, 0]
+        target[to + i, 1] = source[i, 1]
+
+
+@compiled
 def roll_outs(
     starts: FloatArray,
     which: IntArray,
@@ -131,9 +139,9 @@ def roll_outs(
         if keep:
             if used + count > points.shape[0]:
                 more = np.empty((2 * (used + count), 2))
-                more[:used] = points[:used]
+                _copy(points, used, more, 0)
                 points = more
-            points[used : used + count] = path[:count]
+            _copy(path, count, points, used)
             used += count
     return codes, facts, points[:used]
 

@@ -175,6 +175,21 @@ def sensitive_step(
     return x + h * ex, y + h * ey, min(a, b)
 
 
+@inlined
+def _note(
+    x: float, y: float, carried: FloatArray, point: FloatArray, out: FloatArray
+) -> bool:
+    """Writes a point and its derivatives (2, P); whether all of them are finite."""
+    point[0] = x
+    point[1] = y
+    total = 0.0
+    for p in range(carried.shape[1]):
+        out[0, p] = carried[0, p]
+        out[1, p] = carried[1, p]
+        total += carried[0, p] + carried[1, p]
+    return math.isfinite(total)
+
+
 @compiled
 def sensitive_roll_out(
     x: float,
@@ -198,27 +213,21 @@ def sensitive_roll_out(
     carried = np.zeros((2, size))
     carried[0, size - 2] = 1.0
     carried[1, size - 1] = 1.0
-    path[0, 0] = x
-    path[0, 1] = y
-    jacobian[0] = carried
+    _note(x, y, carried, path[0], jacobian[0])
     for n in range(1, path.shape[0]):
         dx = x - gx
         dy = y - gy
         if dx * dx + dy * dy < step * step:
-            path[n, 0] = gx
-            path[n, 1] = gy
-            jacobian[n] = 0.0
-            jacobian[n, 0, size - 4] = 1.0
-            jacobian[n, 1, size - 3] = 1.0
+            carried = np.zeros((2, size))
+            carried[0, size - 4] = 1.0
+            carried[1, size - 3] = 1.0
+            _note(gx, gy, carried, path[n], jacobian[n])
             return n + 1, ARRIVED
         x, y, least = sensitive_step(
             x, y, step, rows, kappa, workspace, gx, gy, 0.0, rates, carried
         )
         if not least > 0.0:
             return n, LEFT
-        if not math.isfinite(carried.sum()):
+        if not _note(x, y, carried, path[n], jacobian[n]):
             return n, TRAPPED
-        path[n, 0] = x
-        path[n, 1] = y
-        jacobian[n] = carried
     return path.shape[0], OUT_OF_STEPS
