@@ -97,6 +97,30 @@ def min_beta(x: float, y: float, workspace: FloatArray, forms: FloatArray) -> fl
     return least
 
 
+@compiled
+def sharpest(forms: FloatArray) -> float:
+    """One over the smallest semi-axis of all ellipses, zero without any."""
+    most = 0.0
+    for i in range(forms.shape[0]):
+        mean = 0.5 * (forms[i, 2] + forms[i, 4])
+        most = max(most, mean + math.hypot(mean - forms[i, 4], forms[i, 3]))
+    return math.sqrt(most)
+
+
+@compiled
+def crosses(x: float, y: float, dx: float, dy: float, forms: FloatArray) -> bool:
+    """Whether the way from free (x, y) to free (x + dx, y + dy) meets an ellipse."""
+    for i in range(forms.shape[0]):
+        b, hx, hy = _ellipse(x, y, forms, i)
+        # beta_i along it is b + 2 slope t + bend t^2, smallest at -slope / bend.
+        slope = hx * dx + hy * dy
+        bend = forms[i, 2] * dx * dx + forms[i, 4] * dy * dy
+        bend += 2.0 * forms[i, 3] * dx * dy
+        if slope < 0.0 and -slope < bend and b * bend <= slope * slope:
+            return True
+    return False
+
+
 @inlined
 def log_beta(
     x: float,

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from bath_drake.field._boundaries import compiled
+from bath_drake.field._boundaries import compiled, crosses, sharpest
 from bath_drake.field._kernels import flow, flow_psi
 from bath_drake.notation import FloatArray, IntArray
 
@@ -28,7 +28,7 @@ def roll_out(
 
     Returns the points written, the status, the least beta and the arc length.
     Midpoint steps of arc length ``step`` (shorter near the goal); a step is
-    halved until psi, and with it phi, falls and the new point is free.
+    halved until psi, and with it phi, falls and the whole way to the new point is free.
     """
     path[0, 0] = x
     path[0, 1] = y
@@ -37,6 +37,10 @@ def roll_out(
     if clear <= 0.0:
         return 1, LEFT, clear, length
     h = step
+    # In an ellipse's own norm, sqrt(beta + 1), a step over it must begin or end within
+    # half its length of the boundary; elsewhere there is no need to look.
+    tight = (1.0 + 0.5 * step * sharpest(forms)) ** 2 - 1.0
+    least = clear
     for n in range(1, path.shape[0] + 1):
         distance = math.sqrt((x - gx) * (x - gx) + (y - gy) * (y - gy))
         if distance <= tolerance:
@@ -46,7 +50,7 @@ def roll_out(
         # Grow again after a tight spot, but never beyond the asked step.
         h = min(min(2.0 * h, step), distance)
         while True:
-            mx, my, least = flow(
+            mx, my, free = flow(
                 x + 0.5 * h * fx,
                 y + 0.5 * h * fy,
                 workspace,
@@ -58,12 +62,15 @@ def roll_out(
             )
             nx = x + h * mx
             ny = y + h * my
-            if least > 0.0:
+            if free > 0.0:
                 # The next step's first direction comes with this one's test.
-                ax, ay, least, after = flow_psi(
+                ax, ay, free, after = flow_psi(
                     nx, ny, workspace, gx, gy, kappa, forms, 0.0, True
                 )
-                if after < value:
+                close = min(least, free) < tight
+                if after < value and not (
+                    close and crosses(x, y, h * mx, h * my, forms)
+                ):
                     break
             h *= 0.5
             # Far below any step worth taking: a critical point holds it.
@@ -75,6 +82,7 @@ def roll_out(
         fy = ay
         value = after
         length += h
+        least = free
         clear = min(clear, least)
         path[n, 0] = x
         path[n, 1] = y

@@ -113,7 +113,8 @@ def rollout(
     """Follows the flow in guarded steps of equal arc length.
 
     Fixed steps along -grad phi cut into obstacles or crawl; these midpoint steps
-    have unit speed and are halved until phi falls and every beta_i stays positive.
+    have unit speed and are halved until phi falls and every beta_i stays positive,
+    all the way from point to point.
 
     Args:
         start: Shape (2,), in N.

@@ -48,6 +48,25 @@ def test_a_rollout_never_enters_an_obstacle_and_phi_falls_along_it(
     np.testing.assert_array_equal(found.path[0], start)
 
 
+@settings(max_examples=60)
+@given(starts, st.floats(0.05, 2.0), st.floats(-1.5, 1.5), st.floats(0.003, 0.05))
+def test_no_step_leaps_over_a_thin_obstacle(
+    start: FloatArray, step: float, angle: float, thickness: float
+) -> None:
+    # Blades across the way, much thinner than a step is long.
+    field = _world(
+        [0.0, 0.0, 1.5, thickness, angle + 1.5],
+        [-2.0, 1.0, 1.0, thickness, angle],
+        [1.5, -1.0, thickness, 0.8, angle],
+    )
+    assume(min_beta(start, field) > 0.0)
+    path = rollout(start, field, step=step).path
+    share = np.linspace(0.0, 1.0, 400)[:, None, None]
+    between = path[:-1] + share * np.diff(path, axis=0)
+    # A sample on a step's own end may round to the other side of nothing.
+    assert (min_beta(between, field) > -1e-9).all()
+
+
 @settings(max_examples=40)
 @given(starts)
 def test_starts_of_a_sound_field_arrive(start: FloatArray) -> None:
