@@ -25,7 +25,7 @@ def ends_of(starts: FloatArray, field: NavigationField):
         starts,
         field,
         step=size / 200,
-        max_steps=20_000,
+        max_steps=200_000,  # in slits with small exponents guarded steps creep
         goal_tolerance=1e-6 * size,
     )
 
