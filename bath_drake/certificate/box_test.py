@@ -33,10 +33,10 @@ from bath_drake.certificate.evaluation import (
     HXX,
     HXY,
     HYY,
-    MID_BETA,
     MID_GX,
     MID_GY,
     TINY,
+    WEIGHT,
     evaluate,
     get,
     gradient_at_middle,
@@ -157,12 +157,9 @@ def _radial_at_middle(x: Interval, y: Interval, world: World, t: FloatArray) -> 
     least = 2.0 * world.kappa
     for j in range(t.shape[0]):
         n = px * t[j, MID_GX, 0] + py * t[j, MID_GY, 0]
-        if t[j, BETA, 0] > 0.0:
-            least -= world.exponents[j] * n / t[j, MID_BETA, 0]
-        elif n > 0.0:
+        if n > 0.0 and not t[j, BETA, 0] > 0.0:
             return False
-        else:
-            least -= world.exponents[j] * n / t[j, BETA, 1]
+        least -= t[j, WEIGHT, 0] * n
     return least > 0.0
 
 
@@ -180,7 +177,7 @@ def _one_way(
 ) -> bool:
     along = add(scale(ux, px), scale(uy, py))
     most = divide(scale(2.0 * world.kappa, along), gamma)[1]
-    if not _one_way_at_middle(ux, uy, most, world, t):
+    if not _one_way_at_middle(ux, uy, most, t):
         return False
     for j in range(t.shape[0]):
         g = add(scale(ux, get(t, j, MID_GX)), scale(uy, get(t, j, MID_GY)))[0]
@@ -196,18 +193,13 @@ def _one_way(
 
 
 @njit(cache=True, nogil=True)
-def _one_way_at_middle(
-    ux: float, uy: float, most: float, world: World, t: FloatArray
-) -> bool:
+def _one_way_at_middle(ux: float, uy: float, most: float, t: FloatArray) -> bool:
     """Whether `_one_way` may succeed, from the gradients at the middle."""
     for j in range(t.shape[0]):
         g = ux * t[j, MID_GX, 0] + uy * t[j, MID_GY, 0]
-        if t[j, BETA, 0] > 0.0:
-            most -= world.exponents[j] * g / t[j, MID_BETA, 0]
-        elif g < 0.0:
+        if g < 0.0 and not t[j, BETA, 0] > 0.0:
             return False
-        else:
-            most -= world.exponents[j] * g / t[j, BETA, 1]
+        most -= t[j, WEIGHT, 0] * g
     return most < 0.0
 
 

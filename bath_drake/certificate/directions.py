@@ -16,6 +16,7 @@ from bath_drake.certificate.evaluation import (
     MID_BETA,
     MID_GX,
     MID_GY,
+    WEIGHT,
     middle,
     radius,
 )
@@ -60,9 +61,8 @@ def force_direction(
                 sx += gx / n
                 sy += gy / n
         else:
-            r = world.exponents[j] / t[j, MID_BETA, 0]
-            fx += r * gx
-            fy += r * gy
+            fx += t[j, WEIGHT, 0] * gx
+            fy += t[j, WEIGHT, 0] * gy
     if cut:
         fx = sx
         fy = sy
@@ -94,9 +94,8 @@ def escape_direction(
         gx = t[j, MID_GX, 0]
         gy = t[j, MID_GY, 0]
         if not _is_near(t, j):
-            r = world.exponents[j] / t[j, MID_BETA, 0]
-            fx += r * gx
-            fy += r * gy
+            fx += t[j, WEIGHT, 0] * gx
+            fy += t[j, WEIGHT, 0] * gy
             continue
         g = math.hypot(gx, gy)
         hxx = max(abs(t[j, HXX, 0]), abs(t[j, HXX, 1]))
