@@ -42,6 +42,7 @@ from bath_drake.certificate.isolation import (
 from bath_drake.certificate.regions import standing
 from bath_drake.certificate.result import Box
 from bath_drake.certificate.world import Uncertainty, interval_world
+from bath_drake.certificate.world import World as Enclosed
 from bath_drake.field.critical_points import find_critical_points
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
@@ -216,6 +217,66 @@ def test_with_uncertainty_every_realisation_lies_in_the_enclosures(
         assert table[1, BETA, 0] - rounding <= value <= table[1, BETA, 1] + rounding
     else:
         assert min(rim, value) <= rounding
+
+
+magnitudes = st.floats(-12.0, 12.0).map(lambda e: 10.0**e)
+
+
+@settings(max_examples=300)
+@given(
+    st.tuples(magnitudes, magnitudes, st.booleans(), st.booleans()),
+    st.tuples(magnitudes, magnitudes, st.floats(-4.0, 4.0)),
+    st.lists(st.just(0.0) | st.floats(-16.0, -2.0), min_size=5, max_size=5),
+    st.lists(st.floats(0.0, 1.0), min_size=5, max_size=5),
+    st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)),
+)
+def test_ellipses_of_any_size_and_tolerance_lie_in_their_enclosures(
+    centre, shape, tolerances, shares, offset
+) -> None:
+    x, y, left, low = centre
+    a, b, angle = shape
+    c, s = np.cos(angle), np.sin(angle)
+    p, r = 1.0 / a**2, 1.0 / b**2
+    middles = np.array(
+        [
+            -x if left else x,
+            -y if low else y,
+            c * c * p + s * s * r,
+            c * s * (p - r),
+            s * s * p + c * c * r,
+        ]
+    )
+    widths = np.array([10.0**t if t else 0.0 for t in tolerances]) * np.abs(middles)
+    rows = np.stack([middles - widths, middles + widths], axis=-1)
+    world = Enclosed(
+        np.array([0.0, 0.0, 1e15, 1e15, 2.0]),
+        np.zeros(2),
+        1.0,
+        rows[None],
+        np.ones(2),
+    )
+    table = new_table(world)
+    qx, qy = (middles[:2] + np.array(offset) * (a, b)).tolist()
+    inside = evaluate((qx, qx), (qy, qy), world, table)
+    # One realisation, corners of the intervals among them, in exact numbers.
+    fx, fy, fa, fb, fc = (
+        _between_ends(ends, share)
+        for ends, share in zip(rows.tolist(), shares, strict=True)
+    )
+    dx, dy = Fraction(qx) - fx, Fraction(qy) - fy
+    hx, hy = fa * dx + fb * dy, fb * dx + fc * dy
+    beta = dx * hx + dy * hy - 1
+    if not inside:
+        assert beta <= 0
+        return
+    assert _holds(table[1, MID_BETA], beta)
+    assert _holds(table[1, MID_GX], 2 * hx)
+    assert _holds(table[1, MID_GY], 2 * hy)
+
+
+def _between_ends(ends: list[float], share: float) -> Fraction:
+    low, high = map(Fraction, ends)
+    return low + (high - low) * Fraction(share)
 
 
 @given(rows, st.floats(-1e9, 1e9))
