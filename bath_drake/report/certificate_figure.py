@@ -29,11 +29,11 @@ from bath_drake.report.field_figures import (
 
 # Even, so that no start lies on an axis of symmetry, whose flow leads onto a saddle.
 _STARTS = 200
-_GOAL, _TRAP, _OTHER = 0, 1, 2
+_GOAL, _TRAP, _STALLED = 0, 1, 2
 _BASINS = {
     _GOAL: ("#dcefe4", "starts that end at the goal"),
     _TRAP: ("#f3bfb5", "starts that end in a trap"),
-    _OTHER: ("#f5e7a8", "starts that end elsewhere"),
+    _STALLED: ("#f5e7a8", "starts that stall, as at a saddle"),
 }
 _MARKS = {
     "saddle": ("X", "#e69f00", "saddle"),
@@ -63,7 +63,7 @@ def draw_certificate(
     figure = style.new_figure(7.1, width=10.4)
     figure.set_layout_engine("constrained", h_pad=0.12, w_pad=0.08)
     axes = figure.subplots()
-    handles: list[Artist] = [*_draw_basins(axes, field)]
+    handles: list[Artist] = [*_draw_basins(axes, field, certificate)]
     draw_flow(axes, field, shade=False)
     learned = len(field.obstacles) - sensed
     theta = field.obstacles.theta
@@ -104,11 +104,12 @@ class _Basins:
     kinds: IntArray
 
     def share(self, kind: int) -> float:
-        """Of the free cells, those of a kind."""
-        return float(np.mean(self.kinds[self.kinds >= 0] == kind))
+        """Of the free cells, those of a kind; zero where none is free."""
+        free = self.kinds[self.kinds >= 0]
+        return float(np.mean(free == kind)) if free.size else 0.0
 
 
-def _find_basins(field: NavigationField) -> _Basins:
+def _find_basins(field: NavigationField, certificate: Certificate) -> _Basins:
     """Rolls out from the middle of every cell of the workspace's box."""
     centre, semi = field.workspace.centre, field.workspace.semi_axes
     t = (np.arange(_STARTS) + 0.5) / _STARTS * 2.0 - 1.0
@@ -116,17 +117,30 @@ def _find_basins(field: NavigationField) -> _Basins:
     starts = np.stack([x.ravel(), y.ravel()], axis=1)
     kinds = np.full(len(starts), -1)
     free = np.flatnonzero(min_beta(starts, field) > 0.0)
-    statuses, _ = rollout_ends(
+    statuses, ends = rollout_ends(
         starts[free], field, step=float(semi.min()) / 100.0, max_steps=4000
     )
-    ends = {RolloutStatus.ARRIVED: _GOAL, RolloutStatus.TRAPPED: _TRAP}
-    kinds[free] = [ends.get(status, _OTHER) for status in statuses]
+    kinds[free] = [
+        _GOAL if status is RolloutStatus.ARRIVED else _end_kind(end, certificate)
+        for status, end in zip(statuses, ends, strict=True)
+    ]
     low, high = centre - semi, centre + semi
     return _Basins((low[0], high[0], low[1], high[1]), kinds.reshape(_STARTS, _STARTS))
 
 
-def _draw_basins(axes: Axes, field: NavigationField) -> list[Patch]:
-    basins = _find_basins(field)
+def _end_kind(end: FloatArray, certificate: Certificate) -> int:
+    """A trap if of all critical points a minimum is nearest to where it ended."""
+    points = certificate.critical_points
+    if not points:
+        return _STALLED
+    nearest = min(points, key=lambda p: np.hypot(p.x - end[0], p.y - end[1]))
+    return _TRAP if nearest.kind == "minimum" else _STALLED
+
+
+def _draw_basins(
+    axes: Axes, field: NavigationField, certificate: Certificate
+) -> list[Patch]:
+    basins = _find_basins(field, certificate)
     # Cells cut by a boundary look like their neighbours, up to the boundary.
     beside = grey_dilation(basins.kinds, size=(3, 3))
     kinds = np.where(basins.kinds < 0, beside, basins.kinds)

@@ -160,7 +160,8 @@ def draw_flow(axes: Axes, field: NavigationField, *, shade: bool = True) -> None
     height = np.where(free, ln_phi(q, field), np.nan)
     known = height[np.isfinite(height)]
     # phi is close to 1 nearly everywhere: equal shares of the area, not equal steps.
-    levels = np.unique(np.quantile(known, np.linspace(0.002, 1.0, _LEVELS)))
+    shares = np.linspace(0.002, 1.0, _LEVELS)
+    levels = np.unique(np.quantile(known, shares)) if known.size else known
     if levels.size > 2:
         if shade:
             axes.contourf(x, y, height, levels=levels, cmap=_HEIGHT_MAP, extend="min")

@@ -72,6 +72,19 @@ def test_a_refuted_world_shows_its_trap_the_box_and_the_basin():
     assert x == pytest.approx(certificate.traps[0].x, abs=1e-6)
 
 
+def test_what_stalls_at_a_saddle_is_not_called_trapped():
+    # On the axis of symmetry the flow leads onto the saddle: a set of measure zero,
+    # but in a flat workspace some of the grid's starts come so near that they stall.
+    flat = NavigationField(
+        Workspace(np.zeros(2), np.array([5.0, 0.5])),
+        np.array([3.0, 0.0]),
+        10.0,
+        ObstacleSet(np.array([[0.0, 0.0, 0.1, 0.1, 0.0]])),
+    )
+    names = legend(draw_certificate(flat, certify(flat)))
+    assert not any("trap" in name for name in names)
+
+
 def test_an_undecided_world_shows_where():
     box = Box(-1.0, -0.5, 0.5, 1.5)
     point = Enclosure(-0.8, 1.0, "degenerate", (0.0, 1.0), None)
@@ -98,3 +111,20 @@ def test_the_way_into_a_trap_and_the_certified_region_are_drawn():
     np.testing.assert_allclose(points[0], start)
     # The roll-out stops where no step lowers phi any more.
     np.testing.assert_allclose(points[-1], (-0.97537, 0.0), atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        world([3.0, 0.0, 1.0, 1.0, 0.0]),
+        world([0.0, 0.0, 9.0, 9.0, 0.0]),
+        world(),
+        world().with_goal(np.array([9.0, 0.0])),
+        world([0.0, 0.0, 1e200, 1e-200, 0.0]),
+    ],
+    ids=["goal covered", "all covered", "empty", "goal outside", "extreme"],
+)
+def test_a_world_that_is_no_world_has_a_picture_too(field):
+    # Warnings are errors here: a picture of nothing must not divide by nothing.
+    figure = draw_certificate(field, certify(field), np.array([-2.0, 1.0]))
+    assert "goal" in legend(figure)
