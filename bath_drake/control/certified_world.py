@@ -12,6 +12,10 @@ from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.notation import FloatArray
 
+# Boxes a proof may look at while the robot runs: hundredths of a second. Worlds of
+# twenty obstacles take a third of it.
+_BUDGET = 20_000
+
 
 class WorldVerdict(IntEnum):
     """A certificate's verdict as a number; UNKNOWN before the first."""
@@ -79,7 +83,8 @@ def certify_world(field: NavigationField, start: FloatArray) -> CertifiedWorld:
     """Proves a world: all of it, or else what `start`, shape (2,), can reach."""
     start = np.array(start, dtype=np.float64)
     start.setflags(write=False)
-    return CertifiedWorld(field, start, certify_from(field, start))
+    found = certify_from(field, start, budget=_BUDGET)
+    return CertifiedWorld(field, start, found)
 
 
 def nothing_certified() -> CertifiedWorld:
