@@ -34,7 +34,7 @@ def roll_out(
     path[0, 1] = y
     length = 0.0
     fx, fy, clear, value = flow_psi(x, y, workspace, gx, gy, kappa, forms, 0.0, True)
-    if clear <= 0.0:
+    if not clear > 0.0:  # or not a number
         return 1, LEFT, clear, length
     h = step
     # In an ellipse's own norm, sqrt(beta + 1), a step over it must begin or end within

@@ -86,7 +86,9 @@ def test_a_start_in_front_of_a_broadside_ellipse_is_trapped() -> None:
     np.testing.assert_allclose(found.path[-1], [-0.97537, 0.0], atol=1e-4)
 
 
-@pytest.mark.parametrize("start", [(0.0, 0.2), (6.0, 0.0), (1e300, 0.0)])
+@pytest.mark.parametrize(
+    "start", [(0.0, 0.2), (6.0, 0.0), (1e300, 0.0), (np.nan, 0.0), (0.0, -np.inf)]
+)
 def test_a_start_outside_free_space_is_named_so(start: tuple[float, float]) -> None:
     found = rollout(start, _WORLD)
     assert found.status is RolloutStatus.LEFT
