@@ -14,7 +14,7 @@ from bath_drake.notation import FloatArray
 
 # Boxes a proof may look at while the robot runs: hundredths of a second. Worlds of
 # twenty obstacles take a third of it.
-_BUDGET = 20_000
+RUN_TIME_BUDGET = 20_000
 
 
 class WorldVerdict(IntEnum):
@@ -83,7 +83,7 @@ def certify_world(field: NavigationField, start: FloatArray) -> CertifiedWorld:
     """Proves a world: all of it, or else what `start`, shape (2,), can reach."""
     start = np.array(start, dtype=np.float64)
     start.setflags(write=False)
-    found = certify_from(field, start, budget=_BUDGET)
+    found = certify_from(field, start, budget=RUN_TIME_BUDGET)
     return CertifiedWorld(field, start, found)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from bath_drake.certificate.certify import certify, certify_from
 from bath_drake.certificate.result import Certificate
+from bath_drake.control.certified_world import RUN_TIME_BUDGET
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, beta, pair_gaps, support
 from bath_drake.field.rollout import RolloutStatus, rollout
@@ -64,16 +65,19 @@ def join_areas(field: NavigationField, areas: ObstacleSet, start: FloatArray) ->
         there is none, the plain union with the certificate that says why not.
     """
     if not len(areas):
-        return World(field, areas, certify_from(field, start), "nothing")
+        alone = certify_from(field, start, budget=RUN_TIME_BUDGET)
+        return World(field, areas, alone, "nothing")
     candidates = _candidates(field, areas, start)
     for region in (False, True):
         # The nearest first: what is far from the learned path need not be proved.
         for _, virtual, sensed, changed in candidates:
             world = virtual.with_obstacles(sensed)
-            certificate = certify(world, starts=start if region else None)
+            certificate = certify(
+                world, starts=start if region else None, budget=RUN_TIME_BUDGET
+            )
             if certificate.passed:
                 return World(virtual, sensed, certificate, changed)
-    union = certify_from(field.with_obstacles(areas), start)
+    union = certify_from(field.with_obstacles(areas), start, budget=RUN_TIME_BUDGET)
     return World(field, areas, union, "nothing: no sound world was found")
 
 
