@@ -14,6 +14,7 @@ import math
 import numpy as np
 
 from bath_drake.field._boundaries import (
+    LANES,
     TINY,
     compiled,
     curvature,
@@ -22,6 +23,7 @@ from bath_drake.field._boundaries import (
     min_beta,
     near,
     normal,
+    slopes,
     unit,
 )
 from bath_drake.notation import FloatArray
@@ -88,6 +90,42 @@ def flow(
     """Unit direction of -grad phi, and the smallest beta; see `flow_psi`."""
     fx, fy, least, _ = flow_psi(x, y, workspace, gx, gy, kappa, forms, floor, False)
     return fx, fy, least
+
+
+@compiled
+def flows(
+    q: FloatArray,
+    workspace: FloatArray,
+    gx: float,
+    gy: float,
+    kappa: float,
+    forms: FloatArray,
+) -> FloatArray:
+    """`flow`, bit by bit, at points (n, 2): (n, 2)."""
+    n = q.shape[0]
+    out = np.empty((n, 2))
+    lanes = np.empty(5 * LANES)
+    for begin in range(0, n, LANES):
+        for j in range(LANES):
+            i = min(begin + j, n - 1)
+            lanes[j] = near(q[i, 0])
+            lanes[LANES + j] = near(q[i, 1])
+        slopes(lanes, workspace, forms)
+        for j in range(min(LANES, n - begin)):
+            i = begin + j
+            if lanes[4 * LANES + j] > 0.0:
+                dx = lanes[j] - gx
+                dy = lanes[LANES + j] - gy
+                gamma = dx * dx + dy * dy
+                fx, fy = unit(
+                    gamma * lanes[2 * LANES + j] - 2.0 * kappa * dx,
+                    gamma * lanes[3 * LANES + j] - 2.0 * kappa * dy,
+                )
+            else:
+                fx, fy, _ = flow(q[i, 0], q[i, 1], workspace, gx, gy, kappa, forms, 0.0)
+            out[i, 0] = fx
+            out[i, 1] = fy
+    return out
 
 
 @compiled

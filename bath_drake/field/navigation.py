@@ -134,17 +134,6 @@ def _grad_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-de
 
 
 @compiled
-def _flow(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
-    out = np.empty((q.shape[0], 2))
-    for i in range(q.shape[0]):
-        x, y = q[i]
-        fx, fy, _ = _kernels.flow(x, y, workspace, gx, gy, kappa, forms, 0.0)
-        out[i, 0] = fx
-        out[i, 1] = fy
-    return out
-
-
-@compiled
 def _hessian_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty((q.shape[0], 3))
     for i in range(q.shape[0]):
@@ -210,7 +199,7 @@ def flow_direction(q: ArrayLike, field: NavigationField) -> FloatArray:
 
     Zero at the goal, at critical points and outside free space.
     """
-    return _over(_flow, q, field)
+    return _over(_kernels.flows, q, field)
 
 
 def grad_psi(q: ArrayLike, field: NavigationField) -> FloatArray:

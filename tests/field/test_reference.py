@@ -15,6 +15,7 @@ from bath_drake.field.navigation import (
     phi,
 )
 from bath_drake.field.obstacles import ObstacleSet, Workspace, beta, grad_beta
+from bath_drake.field.rollout import rollout
 from bath_drake.notation import FloatArray
 
 
@@ -77,6 +78,24 @@ def test_it_is_the_papers_formula(world: tuple[NavigationField, FloatArray]) -> 
     np.testing.assert_allclose(
         flow_direction(q, field), v / np.hypot(*v), rtol=0, atol=1e-7
     )
+
+
+@settings(max_examples=50)
+@given(worlds(), st.integers(1, 50))
+def test_a_batch_of_flows_is_each_points_own_bit_by_bit(
+    world: tuple[NavigationField, FloatArray], count: int
+) -> None:
+    field, q = world
+    rng = np.random.default_rng(count)
+    points = np.concatenate([[q], rng.uniform(-3.2, 3.2, (count, 2)), [field.goal]])
+    together = flow_direction(points, field)
+    for point, found in zip(points, together, strict=True):
+        np.testing.assert_array_equal(flow_direction(point, field), found)
+    # And the roll-out's own: its first step in the open is a midpoint step of these.
+    path = rollout(q, field, step=1e-3, max_steps=1).path
+    if len(path) == 2 and np.hypot(*(path[1] - q)) > 0.99e-3:
+        middle = flow_direction(q + 0.5 * 1e-3 * flow_direction(q, field), field)
+        np.testing.assert_array_equal(path[1], q + 1e-3 * middle)
 
 
 @settings(max_examples=100)
