@@ -259,3 +259,41 @@ def slopes(lanes: FloatArray, workspace: FloatArray, forms: FloatArray) -> None:
             lanes[3 * LANES + j] += r * hy
             least = lanes[4 * LANES + j]
             lanes[4 * LANES + j] = b if b < least else least
+
+
+@inlined
+def values(
+    lanes: FloatArray, workspace: FloatArray, forms: FloatArray, out: FloatArray
+) -> None:
+    """`log_beta`'s ln beta, bit by bit, at the points of `slopes`: ``out`` (2 LANES,).
+
+    The first half is the answer, the second holds the products. Only where the least
+    beta is positive does it mean anything.
+    """
+    for j in range(LANES):
+        out[j] = 0.0
+        out[LANES + j] = _rim(lanes[j], lanes[LANES + j], workspace)[0]
+    exponent = 1.0
+    for i in range(forms.shape[0]):
+        w = forms[i, 5]
+        outside = 0
+        for j in range(LANES):
+            product = out[LANES + j]
+            outside += 0 if 1.0 / _WIDE < product < _WIDE else 1
+        if w != exponent or outside > 0:
+            for j in range(LANES):
+                product = out[LANES + j]
+                if w != exponent or not (1.0 / _WIDE < product < _WIDE):
+                    out[j] += exponent * math.log(product)
+                    out[LANES + j] = 1.0
+            exponent = w
+        cx, cy = forms[i, 0], forms[i, 1]
+        xx, xy, yy = forms[i, 2], forms[i, 3], forms[i, 4]
+        for j in range(LANES):
+            dx = lanes[j] - cx
+            dy = lanes[LANES + j] - cy
+            hx = xx * dx + xy * dy
+            hy = xy * dx + yy * dy
+            out[LANES + j] *= dx * hx + dy * hy - 1.0
+    for j in range(LANES):
+        out[j] += exponent * math.log(out[LANES + j])

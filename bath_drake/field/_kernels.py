@@ -33,7 +33,7 @@ _MAX_LOG = 690.0
 
 
 @compiled
-def _log_gamma(dx: float, dy: float, gamma: float) -> float:
+def log_gamma(dx: float, dy: float, gamma: float) -> float:
     if gamma > 1e-280:
         return math.log(gamma)
     # The square has underflowed, or nearly so; the distance has not.
@@ -72,7 +72,7 @@ def flow_psi(
     gamma = dx * dx + dy * dy
     fx, fy = unit(gamma * sx - 2.0 * kappa * dx, gamma * sy - 2.0 * kappa * dy)
     if valued:
-        value = kappa * _log_gamma(dx, dy, gamma) - value
+        value = kappa * log_gamma(dx, dy, gamma) - value
     return fx, fy, least, value
 
 
@@ -146,7 +146,7 @@ def ln_phi(
         return 0.0
     dx = x - gx
     dy = y - gy
-    t = value - kappa * _log_gamma(dx, dy, dx * dx + dy * dy)
+    t = value - kappa * log_gamma(dx, dy, dx * dx + dy * dy)
     if t > 0.0:
         return -(t + math.log1p(math.exp(-t))) / kappa
     return -math.log1p(math.exp(t)) / kappa
@@ -195,7 +195,7 @@ def grad_phi(
     big = max(abs(vx), abs(vy))
     if big == 0.0:
         return 0.0, 0.0
-    scale, _, _ = _weights(_log_gamma(dx, dy, gamma), value, kappa)
+    scale, _, _ = _weights(log_gamma(dx, dy, gamma), value, kappa)
     f = math.exp(min(scale + math.log(big), _MAX_LOG))
     return f * (vx / big), f * (vy / big)
 
@@ -228,7 +228,7 @@ def hessian_phi(
     dx = x - gx
     dy = y - gy
     gamma = dx * dx + dy * dy
-    scale, ln_sigma, ln_rest = _weights(_log_gamma(dx, dy, gamma), value, kappa)
+    scale, ln_sigma, ln_rest = _weights(log_gamma(dx, dy, gamma), value, kappa)
     ex, ey = unit(dx, dy)
     sigma = (1.0 + 1.0 / kappa) * math.exp(ln_sigma)
     k = -4.0 * kappa * (kappa + 1.0) * math.exp(ln_rest)

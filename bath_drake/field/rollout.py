@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bath_drake.field import _rollouts
+from bath_drake.field import _rollout_batches, _rollouts
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.speed import canonical_velocity
 from bath_drake.notation import BoolArray, FloatArray, IntArray
@@ -162,7 +162,7 @@ def rollouts(
     paths = np.empty((len(counts), int(counts.max(initial=1)), 2))
     row = 0
     for points, part in many.pieces:
-        _rollouts.unpack(points, part, paths[row : row + len(part)])
+        _rollout_batches.unpack(points, part, paths[row : row + len(part)])
         row += len(part)
     shape = many.shape
     return Rollouts(
@@ -226,7 +226,7 @@ def _roll(
     offsets = np.cumsum([0, *(len(a[4]) for a in arguments)])
 
     def roll(part: slice) -> tuple[IntArray, FloatArray, FloatArray]:
-        return _rollouts.roll_outs(
+        return _rollout_batches.roll_outs(
             points[part],
             which[part],
             constants,

@@ -58,6 +58,27 @@ def test_every_start_under_every_field_is_the_rollout_done_alone(
     np.testing.assert_array_equal(found.arrived, found.statuses == 0)
 
 
+@pytest.mark.parametrize("count", [1, 7, 8, 16, 17, 40])
+def test_so_it_is_for_few_and_for_many(count: int, rng: np.random.Generator) -> None:
+    # Of mixed exponents, at which ln beta takes several logarithms, and a superellipse.
+    rows = np.array([[0, 0.2, 1, 0.5, 0.3], [-2, -1, 0.5, 0.9, 1], [1, 2, 0.4, 0.4, 0]])
+    field = NavigationField(
+        Workspace(np.zeros(2), np.array([5.0, 4.0]), 4),
+        np.array([3.0, 0.0]),
+        30.0,
+        ObstacleSet(rows, np.array([1.0, 0.5, 2.0])),
+    )
+    starts = rng.uniform(-4.0, 4.0, (count, 2))
+    found = rollouts(starts, field, step=0.1)
+    statuses, ends = rollout_ends(starts, field, step=0.1)
+    for i, start in enumerate(starts):
+        alone = rollout(start, field, step=0.1)
+        assert found[i].status is statuses[i] is alone.status
+        assert found[i].length == alone.length
+        np.testing.assert_array_equal(found[i].path, alone.path)
+        np.testing.assert_array_equal(ends[i], alone.path[-1])
+
+
 def test_one_field_and_one_start_give_no_leading_axes() -> None:
     found = rollouts([-4.0, 1.0], _FIELDS[0])
     assert found.paths.ndim == 2
