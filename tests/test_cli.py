@@ -46,7 +46,7 @@ def test_every_verb_explains_itself(capsys, verb):
         (("diagram", "no_such"), "no such scenario"),
         (("learn", "no_such.csv", "-o", "s.yaml"), "no_such.csv"),
         (("certify", "no_such.yaml"), "no_such.yaml"),
-        (("bench", "lasa"), "lasa: not in this version"),
+        (("bench", "loop"), "loop: not in this version"),
         (("bench", "field", "--hours", "1"), "--hours"),
         (("reproduce", "no_such.yaml", "--start", "-9.3e-05", "0.2"), "no_such.yaml"),
     ],

@@ -1,7 +1,7 @@
 """What a benchmark finds: figures with targets, as a table and as JSON."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -47,12 +47,33 @@ class Settings:
         held_out: Judge on data that were not learned from.
         peers: Run other methods as well.
         hours: How long a benchmark of endurance runs.
+        shapes: The shapes to run on, by name; none means all.
+        quick: A few seconds' effort for each thing learned, a worse fit.
     """
 
     data: Path | None = None
     held_out: bool = False
     peers: bool = False
     hours: float | None = None
+    shapes: tuple[str, ...] = ()
+    quick: bool = False
+
+
+# One line of a benchmark's details.
+Row = Mapping[str, str | float | bool]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a benchmark found.
+
+    Attributes:
+        figures: In the order to print them.
+        rows: What they sum up, all with the same keys; may be empty.
+    """
+
+    figures: Sequence[Figure]
+    rows: Sequence[Row] = ()
 
 
 def all_passed(figures: Sequence[Figure]) -> bool:
@@ -83,6 +104,38 @@ def table(figures: Sequence[Figure]) -> str:
     return "\n".join([*lines, verdict])
 
 
+def row_table(rows: Sequence[Row]) -> str:
+    """Aligned lines: the keys, then every row; text to the left, numbers to the right.
+
+    What is not a number (NaN) is left blank.
+    """
+    if not rows:
+        return ""
+    cells = [[*rows[0]], *([_cell(value) for value in row.values()] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    left = [isinstance(value, str) for value in rows[0].values()]
+    lines = []
+    for line in cells:
+        parts = zip(line, widths, left, strict=True)
+        lines.append(
+            "  ".join(
+                c.ljust(w) if to_left else c.rjust(w) for c, w, to_left in parts
+            ).rstrip()
+        )
+    return "\n".join(lines)
+
+
+def rows_to_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """The rows for JSON; what is not finite becomes None."""
+    return [
+        {
+            key: None if isinstance(v, float) and not math.isfinite(v) else v
+            for key, v in row.items()
+        }
+        for row in rows
+    ]
+
+
 def to_mapping(figures: Sequence[Figure]) -> dict[str, dict[str, Any]]:
     """The figures by name, for JSON: value, target, unit, bound and pass.
 
@@ -103,6 +156,14 @@ def to_mapping(figures: Sequence[Figure]) -> dict[str, dict[str, Any]]:
             "pass": figure.passed,
         }
     return found
+
+
+def _cell(value: str | float | bool) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "" if math.isnan(value) else _number(value)
 
 
 def _number(value: float) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-from bath_drake.benchmarks.figures import Figure, Progress, Settings
+from bath_drake.benchmarks.figures import Figure, Progress, Report, Settings
 from bath_drake.errors import BathDrakeError
 
 # The names the command line is to have, whether or not this version has them.
@@ -15,11 +15,11 @@ class Benchmark:
     """One benchmark.
 
     Attributes:
-        run: Measures; returns the figures in the order to print them.
+        run: Measures; returns the figures in the order to print them, or a report.
         uses: The names of the `Settings` it heeds.
     """
 
-    run: Callable[[Settings, Progress], list[Figure]]
+    run: Callable[[Settings, Progress], list[Figure] | Report]
     uses: frozenset[str] = frozenset()
 
 
@@ -30,7 +30,24 @@ def _field(settings: Settings, progress: Progress) -> list[Figure]:
     return run(progress)
 
 
-BENCHMARKS = {"field": Benchmark(_field)}
+def _strokes(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.strokes import run_strokes
+
+    return run_strokes(settings, progress)
+
+
+def _lasa(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.strokes import run_lasa
+
+    return run_lasa(settings, progress)
+
+
+_LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
+BENCHMARKS = {
+    "field": Benchmark(_field),
+    "strokes": Benchmark(_strokes, _LEARNING),
+    "lasa": Benchmark(_lasa, _LEARNING | {"data"}),
+}
 
 
 def find(name: str, settings: Settings) -> Benchmark:

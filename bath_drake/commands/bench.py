@@ -38,6 +38,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="H",
         help=f"how long to run for ({users('hours')})",
     )
+    parser.add_argument(
+        "--shapes",
+        metavar="NAME,...",
+        help=f"run on these shapes alone, without targets ({users('shapes')})",
+    )
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help=f"a few seconds' effort a shape, without targets ({users('quick')})",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -46,7 +56,15 @@ def run(options: argparse.Namespace) -> int:
     import math
     import time
 
-    from bath_drake.benchmarks.figures import Settings, all_passed, table, to_mapping
+    from bath_drake.benchmarks.figures import (
+        Report,
+        Settings,
+        all_passed,
+        row_table,
+        rows_to_json,
+        table,
+        to_mapping,
+    )
     from bath_drake.benchmarks.machine import machine, versions
     from bath_drake.benchmarks.registry import find
     from bath_drake.commands._progress import progress_bar
@@ -58,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
         held_out=options.held_out,
         peers=options.peers,
         hours=options.hours,
+        shapes=_names(options.shapes),
+        quick=options.quick,
     )
     benchmark = find(options.name, settings)
     if settings.data is not None and not settings.data.is_dir():
@@ -79,15 +99,35 @@ def run(options: argparse.Namespace) -> int:
             bar.n = share
             bar.refresh()
 
-        figures = benchmark.run(settings, progress)
+        outcome = benchmark.run(settings, progress)
+    report = outcome if isinstance(outcome, Report) else Report(outcome)
     data = {
         "benchmark": options.name,
-        "figures": to_mapping(figures),
+        "figures": to_mapping(report.figures),
+        "rows": rows_to_json(report.rows),
         "seconds": time.perf_counter() - began,
         **about,
     }
     if options.json is not None:
         text = json.dumps(data, indent=2, allow_nan=False)
         write_atomically(options.json, text + "\n")
-    print(table(figures))
-    return 0 if all_passed(figures) else 1
+    if report.rows:
+        print(row_table(report.rows) + "\n")
+    print(table(report.figures))
+    return 0 if all_passed(report.figures) else 1
+
+
+def _names(text: str | None) -> tuple[str, ...]:
+    """The names in a list with commas between.
+
+    Raises:
+        BathDrakeError: One is empty.
+    """
+    from bath_drake.errors import BathDrakeError
+
+    if text is None:
+        return ()
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise BathDrakeError(f"--shapes: found {text!r}, expected NAME,NAME,...")
+    return names

@@ -4,7 +4,7 @@ import sys
 import pytest
 
 from bath_drake import __version__, cli
-from bath_drake.benchmarks.figures import Figure
+from bath_drake.benchmarks.figures import Figure, Report
 from bath_drake.benchmarks.registry import BENCHMARKS, Benchmark
 
 
@@ -70,6 +70,36 @@ def test_what_is_asked_for_reaches_the_benchmark(capsys, fake, tmp_path):
     assert settings.held_out
     assert settings.peers
     assert settings.hours == 1.5e-3
+    assert settings.shapes == ()
+    assert not settings.quick
+
+
+def test_shapes_are_names_with_commas_between(capsys, fake, monkeypatch):
+    uses = frozenset({"shapes", "quick"})
+    monkeypatch.setitem(BENCHMARKS, "soak", Benchmark(fake, uses))
+    assert bench(capsys, "soak", "--shapes", "w, sine", "--quick")[0] == 0
+    (settings,) = fake.asked
+    assert settings.shapes == ("w", "sine")
+    assert settings.quick
+
+
+def test_rows_are_printed_above_the_figures(capsys, fake, monkeypatch, tmp_path):
+    rows = [{"shape": "w", "frechet": 0.25, "crosses": True}]
+    rows += [{"shape": "sine", "frechet": float("nan"), "crosses": False}]
+    report = Report([Figure("time", 0.5, "s", 1.0)], rows)
+    monkeypatch.setitem(BENCHMARKS, "soak", Benchmark(lambda *_: report))
+    code, out, _ = bench(capsys, "soak", "--json", tmp_path / "soak.json")
+    assert code == 0
+    lines = out.splitlines()
+    assert lines[:4] == [
+        "shape  frechet  crosses",
+        "w         0.25      yes",
+        "sine                 no",
+        "",
+    ]
+    assert lines[4].startswith("figure")
+    found = json.loads((tmp_path / "soak.json").read_text(encoding="utf-8"))
+    assert found["rows"] == [rows[0], {**rows[1], "frechet": None}]
 
 
 def test_a_terminal_sees_a_bar(capsys, fake, monkeypatch):
@@ -82,7 +112,7 @@ def test_a_terminal_sees_a_bar(capsys, fake, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("lasa",), "lasa: not in this version; available: field"),
+        (("loop",), "loop: not in this version; available: field"),
         (("wash",), "wash: no such benchmark"),
         (("field", "--peers"), "field: --peers is none of its options"),
         (("soak", "--json", "no/such/folder/x.json"), "no/such/folder"),

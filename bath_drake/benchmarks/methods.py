@@ -1,0 +1,72 @@
+"""The learner under the benchmark's protocol, and the simplest things beside it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.benchmarks.reproduction import Learned, Method, Shape
+from bath_drake.demonstrations.processing import CANONICAL_SPAN
+from bath_drake.field.rollout import rollout
+from bath_drake.learning.config import LearnerConfig
+from bath_drake.learning.cost import GOAL_TOLERANCE
+from bath_drake.learning.learner import learn_skill
+from bath_drake.notation import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Stroke:
+    name: str
+    points: FloatArray
+    sha256: str = ""
+
+
+def learner(config: LearnerConfig) -> Method:
+    """The project's own learner, in canonical space as for any planar stroke."""
+
+    def fit(shape: Shape) -> Learned:
+        joint = np.concatenate([d.points for d in shape.demonstrations])
+        low, high = joint.min(axis=0), joint.max(axis=0)
+        middle = (low + high) / 2.0
+        scale = CANONICAL_SPAN / float((high - low).max())
+        result = learn_skill(
+            [
+                _Stroke(f"{shape.name} {i}", (d.points - middle) * scale)
+                for i, d in enumerate(shape.demonstrations, start=1)
+            ],
+            config,
+        )
+
+        def roll_out(start: FloatArray) -> FloatArray:
+            found = rollout(
+                (start - middle) * scale, result.field, goal_tolerance=GOAL_TOLERANCE
+            )
+            path: FloatArray = found.path / scale + middle
+            return path
+
+        return Learned(
+            roll_out, result.certificate.passed, float(len(result.field.obstacles))
+        )
+
+    return fit
+
+
+def straight_line(shape: Shape) -> Learned:
+    """From the start to the goal."""
+    return Learned(lambda start: np.stack([start, np.zeros(2)]))
+
+
+def mean_demonstration(shape: Shape) -> Learned:
+    """The demonstrations' mean, wherever the start is."""
+    return Learned(_always(shape.mean))
+
+
+def blended_mean(shape: Shape) -> Learned:
+    """The mean, moved to the start; the offset fades evenly along the way."""
+    mean = shape.mean
+    left = np.linspace(1.0, 0.0, len(mean))[:, None]
+    return Learned(lambda start: mean + left * (start - mean[0]))
+
+
+def _always(path: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    return lambda start: path
