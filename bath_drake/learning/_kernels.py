@@ -18,32 +18,8 @@ from numba import njit
 from bath_drake.field._boundaries import quadratic_forms
 from bath_drake.field._kernels import flow
 from bath_drake.field._rollouts import ARRIVED, LEFT, roll_out
+from bath_drake.learning._frechet import frechet
 from bath_drake.notation import FloatArray, IntArray
-
-
-@njit(cache=True, nogil=True)
-def frechet(a: FloatArray, n: int, b: FloatArray) -> float:
-    """Discrete Fréchet distance of a[:n] and b, with one row of memory."""
-    m = b.shape[0]
-    row = np.empty(m)
-    for i in range(n):
-        diagonal = 0.0
-        for j in range(m):
-            dx = a[i, 0] - b[j, 0]
-            dy = a[i, 1] - b[j, 1]
-            s = dx * dx + dy * dy
-            if i == 0:
-                if j > 0:
-                    s = max(s, row[j - 1])
-            else:
-                up = row[j]
-                best = up
-                if j > 0:
-                    best = min(up, min(diagonal, row[j - 1]))
-                s = max(s, best)
-                diagonal = up
-            row[j] = s
-    return math.sqrt(row[m - 1])
 
 
 @njit(cache=True, nogil=True)
