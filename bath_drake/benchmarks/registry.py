@@ -42,11 +42,18 @@ def _lasa(settings: Settings, progress: Progress) -> Report:
     return run_lasa(settings, progress)
 
 
+def _frechet(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.frechet import run
+
+    return run(settings, progress)
+
+
 _LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
 BENCHMARKS = {
     "field": Benchmark(_field),
     "strokes": Benchmark(_strokes, _LEARNING),
     "lasa": Benchmark(_lasa, _LEARNING | {"data"}),
+    "frechet": Benchmark(_frechet, frozenset({"peers"})),
 }
 
 
