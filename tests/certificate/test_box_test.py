@@ -456,7 +456,7 @@ def test_a_box_said_to_hold_one_critical_point_does_and_of_that_kind(rng) -> Non
     assert enclosed > 150
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_million_boxes_around_critical_points_are_never_cleared() -> None:
     rng = np.random.default_rng(77)
     laid = 0

@@ -78,7 +78,7 @@ def test_on_the_way_to_an_edge_no_verdict_is_false() -> None:
     assert width < 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_on_the_way_to_many_edges_no_verdict_is_false() -> None:
     walks = [_walk(32, i) for i in range(240)]
     widths = [width for width, looked_at in walks if looked_at > 2]

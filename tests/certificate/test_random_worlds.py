@@ -47,7 +47,7 @@ def test_none_of_two_thousand_random_worlds_gets_a_false_verdict() -> None:
     assert verdicts["undecided"] <= 20  # 1 %; the proof aims at 0.1 %
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_two_hundred_starts_arrive_in_each_of_a_hundred_proved_worlds() -> None:
     proved = 0
     i = 0
@@ -79,7 +79,7 @@ def test_needles_slits_and_superellipses_get_no_false_verdict() -> None:
     assert min(verdicts["proved"], verdicts["refuted"]) >= 8
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_thousand_needles_slits_and_superellipses_get_no_false_verdict() -> None:
     verdicts = _attack_exotic(seed=4, count=1000)
     assert min(verdicts["proved"], verdicts["refuted"]) >= 300

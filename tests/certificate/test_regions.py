@@ -377,12 +377,12 @@ def test_traps_below_a_proved_region_s_level_are_out_of_its_reach() -> None:
     assert _attack_regions(seed=22, count=24) >= 1
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_traps_below_many_proved_regions_levels_are_out_of_their_reach() -> None:
     assert _attack_regions(seed=23, count=900) >= 20
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_regions_of_random_worlds_hold_what_they_promise() -> None:
     proved_in_refuted = 0
     for i in range(600):
