@@ -123,9 +123,9 @@ def _below(a: FloatArray, n: int, b: FloatArray, bound: float) -> float:
         start = low // _BLOCK * _BLOCK
         ended = end
         end = (high // _BLOCK + 1) * _BLOCK
+        # Where a band shrank it may grow again. What is left there is not below the
+        # bound, but for what `after` holds of the diagonals before it shrank.
         for i in range(end, ended):
-            cells[i] = np.inf
-            before[i + 1] = np.inf
             after[i + 1] = np.inf
         shift = _BLOCK + m - 1 - k
         # Two loops, with few arrays in each and as long as their slices: otherwise

@@ -234,6 +234,19 @@ def test_a_bound_leaves_smaller_distances_and_caps_the_others(
     assert found == pytest.approx(min(square, bound), rel=1e-15)
 
 
+# A search found these: the band shrinks by a block and at once grows into it again.
+@pytest.mark.parametrize("seed", [7917, 9857])
+def test_a_band_that_grows_again_starts_afresh(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, m = rng.integers(9, 40, 2)
+    a, b = (rng.integers(0, 5, (k, 2)).astype(np.float64) for k in (n, m))
+    for curve in (a, b):
+        curve[:, 0] += np.linspace(0.0, 9.0, len(curve)).round()
+    for bound in (12.5, 13.0, 14.5, math.inf):
+        found = _frechet.squared_frechet(a, n, b, bound)
+        assert found == min(bound, 13.0)
+
+
 def test_what_lies_behind_a_path_s_end_is_not_looked_at() -> None:
     rng = np.random.default_rng(1)
     a, b = walk(rng, 40), walk(rng, 30)
