@@ -1,3 +1,4 @@
+import contextlib
 import os
 import pty
 import sys
@@ -11,6 +12,15 @@ def show(**options):
     with progress_bar(total=4, desc="washing", **options) as bar:
         bar.update(2)
         bar.refresh()
+
+
+def read_all(reader):
+    """What came through a pseudo-terminal: it comes in pieces, and ends in an error."""
+    pieces = []
+    with contextlib.suppress(OSError):
+        while piece := os.read(reader, 65536):
+            pieces.append(piece)
+    return b"".join(pieces)
 
 
 def test_in_a_pipe_there_is_no_bar(capsys):
@@ -27,8 +37,7 @@ def test_a_terminal_sees_it_even_if_it_does_not_know_its_size(monkeypatch, size)
         # A new pseudo-terminal has no size; what tqdm would find is given here.
         given = {"ncols": 100, "nrows": 30} if size[0] else {}
         show(**given)
-        terminal.flush()
-        seen = os.read(reader, 65536).decode()
+    seen = read_all(reader).decode()
     os.close(reader)
     assert "washing" in seen
     assert "50%" in seen
