@@ -2,7 +2,7 @@
 # python3 (3.11 or newer), make and git. PYTHON=/path/to/python picks another.
 PYTHON ?= python3
 # What `make test` leaves out; `make test MARKERS=` runs everything.
-MARKERS ?= not slow and not exhaustive
+MARKERS ?= not slow and not exhaustive and not peers
 
 ifeq ($(PYTHON),python3)
 VENV := .venv

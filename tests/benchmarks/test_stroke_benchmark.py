@@ -105,8 +105,8 @@ def test_a_missing_library_is_named_with_the_line_that_installs_it(monkeypatch):
     assert "pip install movement-primitives pytransform3d" in str(caught.value)
 
 
+@pytest.mark.peers
 def test_peers_are_run_on_the_same_shapes(fast, lasa_folder):
-    pytest.importorskip("movement_primitives.dmp")
     settings = Settings(data=lasa_folder, peers=True)
     report = strokes.run_lasa(settings, silent)
     names = ["bath_drake", *peers()]
