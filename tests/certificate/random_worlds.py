@@ -67,7 +67,7 @@ def random_world(kind: str, rng: np.random.Generator) -> NavigationField:
     exponents = np.ones(count)
     if rng.random() < 0.5:
         exponents = 10.0 ** rng.uniform(-1.0, 0.7, count)
-    # Half of them with the kappa that so many obstacles need (FACTS 1.13).
+    # Half of them with the kappa that so many obstacles need.
     lowest = 0.0 if rng.random() < 0.5 else 1.5
     kappa = 10.0 ** rng.uniform(lowest, np.log10(150.0))
     return make(

@@ -133,7 +133,7 @@ def test_the_gap_at_which_two_discs_begin_to_trap_is_bracketed() -> None:
         rows = [[-0.5, offset, 0.8, 0.8, 0.0], [-0.5, -offset, 0.8, 0.8, 0.0]]
         return certify(make(20, *rows)).verdict
 
-    # FACTS 1.13: 0.2 % of the radius traps, 2 % does not. One change between.
+    # 0.2 % of the radius traps, 2 % does not. One change between.
     gaps = np.linspace(0.002, 0.1, 25)
     verdicts = [verdict(g) for g in gaps.tolist()]
     change = verdicts.index("proved")

@@ -80,7 +80,7 @@ _CONVEX = (
     "like (2 kappa - 1) ln |q - q_d| along every ray from the goal"
 )
 
-# The four of the project's notes (FACTS 1.14), to the five decimals given there.
+# Four whose critical points are known to five decimals.
 KNOWN = {
     "one disc": World(
         make(4, [0, 0, 1, 1, 0]),
