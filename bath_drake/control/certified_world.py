@@ -7,8 +7,8 @@ import numpy as np
 
 from bath_drake.certificate.certify import certify_from
 from bath_drake.certificate.result import Certificate
-from bath_drake.field.navigation import NavigationField, min_beta
-from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
+from bath_drake.field.navigation import NavigationField, min_beta, psi
+from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.notation import FloatArray
 
@@ -62,7 +62,7 @@ class CertifiedWorld:
         region = self.certificate.region
         if region is None:
             return bool(min_beta(point, field) > 0.0)
-        if potential(point, field) > region:
+        if float(psi(point, field)) > region:
             return False
         if not self.certificate.apart:
             return True
@@ -93,19 +93,3 @@ def nothing_certified() -> CertifiedWorld:
     field = NavigationField(disc, np.zeros(2), 1.0, ObstacleSet())
     unknown = Certificate("undecided", "no proof was made yet")
     return CertifiedWorld(field, np.zeros(2), unknown, made=False)
-
-
-def potential(point: FloatArray, field: NavigationField) -> float:
-    """The field's psi = kappa ln gamma - sum_i w_i ln beta_i at a point (2,).
-
-    It is -inf at the goal, and inf on a boundary and outside free space.
-    """
-    q = np.asarray(point, dtype=np.float64)
-    values = np.append(beta(q, field.obstacles), field.workspace.beta(q))
-    if not (values > 0.0).all():
-        return np.inf
-    gamma = float(((q - field.goal) ** 2).sum())
-    if gamma == 0.0:
-        return -np.inf
-    powers = np.append(field.obstacles.powers, 1.0)
-    return float(field.kappa * np.log(gamma) - powers @ np.log(values))

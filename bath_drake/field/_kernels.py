@@ -129,6 +129,27 @@ def flows(
 
 
 @compiled
+def psi(
+    x: float,
+    y: float,
+    workspace: FloatArray,
+    gx: float,
+    gy: float,
+    kappa: float,
+    forms: FloatArray,
+) -> float:
+    """The potential kappa ln gamma - ln beta; inf off free space, -inf at the goal."""
+    x = near(x)
+    y = near(y)
+    _, _, least, value = log_beta(x, y, workspace, forms, 0.0, True)
+    if least <= 0.0:
+        return math.inf
+    dx = x - gx
+    dy = y - gy
+    return kappa * log_gamma(dx, dy, dx * dx + dy * dy) - value
+
+
+@compiled
 def ln_phi(
     x: float,
     y: float,
@@ -139,14 +160,7 @@ def ln_phi(
     forms: FloatArray,
 ) -> float:
     """The logarithm -softplus(-psi) / kappa: nothing cancels or overflows."""
-    x = near(x)
-    y = near(y)
-    _, _, least, value = log_beta(x, y, workspace, forms, 0.0, True)
-    if least <= 0.0:
-        return 0.0
-    dx = x - gx
-    dy = y - gy
-    t = value - kappa * log_gamma(dx, dy, dx * dx + dy * dy)
+    t = -psi(x, y, workspace, gx, gy, kappa, forms)
     if t > 0.0:
         return -(t + math.log1p(math.exp(-t))) / kappa
     return -math.log1p(math.exp(t)) / kappa

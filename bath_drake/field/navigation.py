@@ -118,6 +118,14 @@ def _min_beta(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-de
 
 
 @compiled
+def _psi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
+    out = np.empty(q.shape[0])
+    for i in range(q.shape[0]):
+        out[i] = _kernels.psi(q[i, 0], q[i, 1], workspace, gx, gy, kappa, forms)
+    return out
+
+
+@compiled
 def _ln_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty(q.shape[0])
     for i in range(q.shape[0]):
@@ -164,6 +172,14 @@ def min_beta(q: ArrayLike, field: NavigationField) -> FloatArray:
     The workspace's beta_0 counts. Positive in free space, zero on a boundary.
     """
     return _over(_min_beta, q, field)
+
+
+def psi(q: ArrayLike, field: NavigationField) -> FloatArray:
+    """The potential kappa ln gamma - sum_i w_i ln beta_i at (..., 2), shape (...).
+
+    It is -inf at the goal, and inf on a boundary and outside free space.
+    """
+    return _over(_psi, q, field)
 
 
 def ln_phi(q: ArrayLike, field: NavigationField) -> FloatArray:

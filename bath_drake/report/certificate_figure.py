@@ -15,8 +15,7 @@ from matplotlib.patheffects import withStroke
 from scipy.ndimage import grey_dilation
 
 from bath_drake.certificate.result import Box, Certificate
-from bath_drake.control.certified_world import potential
-from bath_drake.field.navigation import NavigationField, min_beta
+from bath_drake.field.navigation import NavigationField, min_beta, psi
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.field.rollout import RolloutStatus, rollout, rollout_ends
 from bath_drake.notation import FloatArray, IntArray
@@ -177,7 +176,7 @@ def _draw_region(
     centre, semi = field.workspace.centre, field.workspace.semi_axes
     t = np.linspace(-1.0, 1.0, 301)
     x, y = centre[0] + semi[0] * t, centre[1] + semi[1] * t
-    height = np.array([[potential(np.array([u, v]), field) for u in x] for v in y])
+    height = psi(np.stack(np.meshgrid(x, y), axis=-1), field)
     high = np.nanmax(height[np.isfinite(height)])
     height = np.clip(height, None, high)
     axes.contour(

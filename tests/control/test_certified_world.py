@@ -10,9 +10,8 @@ from bath_drake.control.certified_world import (
     WorldVerdict,
     certify_world,
     nothing_certified,
-    potential,
 )
-from bath_drake.field.navigation import NavigationField, ln_phi
+from bath_drake.field.navigation import NavigationField, ln_phi, psi
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 
 START = np.array([-0.7, 0.3])
@@ -57,13 +56,13 @@ def test_a_proof_is_of_no_other_world():
 
 
 def test_a_proof_of_a_region_holds_while_the_motion_is_in_it():
-    level = potential(START, FIELD)
+    level = psi(START, FIELD)
     world = of_region(level)
     assert world.proves(FIELD, START)
     assert world.proves(FIELD, np.array([0.5, 0.1]))  # further down
     assert not world.is_stale(FIELD, np.array([0.5, 0.1]))
     outside = START + np.array([-0.1, 0.0])
-    assert potential(outside, FIELD) > level
+    assert psi(outside, FIELD) > level
     assert not world.proves(FIELD, outside)
     assert world.is_stale(FIELD, outside)
 
@@ -73,7 +72,7 @@ def test_in_another_part_of_a_region_that_traps_a_proof_says_nothing():
     wall = ObstacleSet(np.array([[-0.2, 0.0, 0.05, 0.7, 0.0]]))
     field = NavigationField(FIELD.workspace, FIELD.goal, 12.0, wall)
     before, beyond = np.array([-0.45, 0.05]), np.array([0.1, 0.5])
-    level = max(potential(before, field), potential(beyond, field))
+    level = max(psi(before, field), psi(beyond, field))
     one = Certificate("proved", "made up", region=level)
     apart = Certificate("proved", "made up", region=level, apart=True)
     # As if no other part trapped, and as it is.
@@ -102,10 +101,10 @@ def test_before_the_first_proof_nothing_is_proved_not_even_of_the_stand_in():
 
 def test_the_potential_is_that_of_the_field():
     for q in ([-0.7, 0.3], [0.2, 0.9], [-1.5, -1.0]):
-        psi = potential(np.array(q), FIELD)
+        value = psi(q, FIELD)
         # ln phi = -ln(1 + exp(-psi)) / kappa, to rounding.
-        phi = -np.log1p(np.exp(-psi)) / FIELD.kappa
+        phi = -np.log1p(np.exp(-value)) / FIELD.kappa
         np.testing.assert_allclose(phi, ln_phi(np.array(q), FIELD), rtol=1e-12)
-    assert potential(FIELD.goal, FIELD) == -np.inf
-    assert potential(np.array([0.1, -0.3]), FIELD) == np.inf
-    assert potential(np.array([2.0, 0.0]), FIELD) == np.inf
+    assert psi(FIELD.goal, FIELD) == -np.inf
+    assert psi(np.array([0.1, -0.3]), FIELD) == np.inf
+    assert psi(np.array([2.0, 0.0]), FIELD) == np.inf

@@ -6,8 +6,7 @@ from matplotlib.patches import Rectangle
 
 from bath_drake.certificate.certify import certify
 from bath_drake.certificate.result import Box, Certificate, Doubt, Enclosure, Trap
-from bath_drake.control.certified_world import potential
-from bath_drake.field.navigation import NavigationField
+from bath_drake.field.navigation import NavigationField, psi
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.report.certificate_figure import draw_certificate
 
@@ -100,7 +99,7 @@ def test_an_undecided_world_shows_where():
 def test_the_way_into_a_trap_and_the_certified_region_are_drawn():
     start = (-3.0, 0.5)
     trap = Trap(Box(-0.98, -0.97, -0.01, 0.01), -0.97537, 0.0, "goal", start)
-    level = potential(np.array([1.0, 1.0]), WALL)
+    level = float(psi([1.0, 1.0], WALL))
     certificate = Certificate("refuted", "a trap", traps=(trap,), region=level)
     figure = draw_certificate(WALL, certificate)
     assert {"a way into it", "rim of what was certified"} <= set(legend(figure))
