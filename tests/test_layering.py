@@ -11,6 +11,7 @@ PACKAGE = Path(bath_drake.__file__).parent
 PURE = (
     "field",
     "certificate",
+    "composition",
     "demonstrations",
     "learning",
     "perception",
@@ -25,6 +26,7 @@ ORDER = (
     ("yaml_io",),
     ("schema", "field"),
     ("certificate",),
+    ("composition",),
     ("certificate_file",),
     ("perception",),
     ("demonstrations",),

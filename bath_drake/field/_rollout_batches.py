@@ -225,6 +225,7 @@ def roll_outs(
     facts = np.empty((n, 4))
     paths = np.empty((LANES, max_steps + 1, 2))
     state = np.empty((LANES, 8))
+    nowhere = np.zeros(5)  # no gate
     points = np.empty((64 * n if keep else 0, 2))
     used = 0
     i = 0
@@ -249,6 +250,7 @@ def roll_outs(
                     own,
                     step,
                     tolerance,
+                    nowhere,
                     path,
                 )
                 facts[j, 0] = path[codes[j, 0] - 1, 0]

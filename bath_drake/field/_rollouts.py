@@ -6,7 +6,7 @@ from bath_drake.field._boundaries import compiled, crosses, sharpest
 from bath_drake.field._kernels import flow, flow_psi
 from bath_drake.notation import FloatArray
 
-ARRIVED, TRAPPED, LEFT, OUT_OF_STEPS = 0, 1, 2, 3
+ARRIVED, TRAPPED, LEFT, OUT_OF_STEPS, PASSED = 0, 1, 2, 3, 4
 
 
 @compiled
@@ -20,11 +20,14 @@ def roll_out(
     forms: FloatArray,
     step: float,
     tolerance: float,
+    gate: FloatArray,
     path: FloatArray,
 ) -> tuple[int, int, float, float]:
     """Guarded roll-out into ``path`` (T, 2).
 
-    Returns the points written, the status, the least beta and the arc length.
+    Returns the points written, the status, the least beta and the arc length. It ends
+    with PASSED at the first point within the half-disc ``gate`` (centre x, y, unit
+    direction x, y, radius); a radius of zero is no gate.
     Midpoint steps of arc length ``step`` (shorter near the goal); a step is
     halved until psi, and with it phi, falls and the whole way to the new point is free.
     """
@@ -40,6 +43,12 @@ def roll_out(
     tight = (1.0 + 0.5 * step * sharpest(forms)) ** 2 - 1.0
     least = clear
     for n in range(1, path.shape[0] + 1):
+        if gate[4] > 0.0:
+            ux = x - gate[0]
+            uy = y - gate[1]
+            ahead = ux * gate[2] + uy * gate[3] >= 0.0
+            if ahead and ux * ux + uy * uy <= gate[4] * gate[4]:
+                return n, PASSED, clear, length
         distance = math.sqrt((x - gx) * (x - gx) + (y - gy) * (y - gy))
         if distance <= tolerance:
             return n, ARRIVED, clear, length

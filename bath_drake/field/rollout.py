@@ -13,6 +13,8 @@ from bath_drake.field.speed import canonical_velocity
 from bath_drake.notation import BoolArray, FloatArray, IntArray
 from bath_drake.threads import parallel_map, parts
 
+_NO_GATE = np.zeros(5)
+
 
 class RolloutStatus(Enum):
     """How a roll-out ended."""
@@ -131,7 +133,7 @@ def rollout(
     path = np.empty((max_steps + 1, 2))
     workspace, gx, gy, kappa, forms = field.kernel_arguments
     count, status, clear, length = _rollouts.roll_out(
-        x, y, workspace, gx, gy, kappa, forms, step, goal_tolerance, path
+        x, y, workspace, gx, gy, kappa, forms, step, goal_tolerance, _NO_GATE, path
     )
     return Rollout(path[:count].copy(), RolloutStatus(status), clear, length)
 

@@ -57,6 +57,7 @@ def whole_costs(
     distances = np.empty((n, count))
     arrived = np.zeros(n)
     reached = np.ones(n)
+    nowhere = np.zeros(5)  # no gate
     for k in range(n):
         forms = _forms(xs[k])
         kappa = math.exp(xs[k, xs.shape[1] - 1])
@@ -72,6 +73,7 @@ def whole_costs(
                 forms,
                 step,
                 tolerance,
+                nowhere,
                 path,
             )
             if status == ARRIVED:
@@ -91,6 +93,7 @@ def whole_costs(
                 forms,
                 3.0 * step,
                 tolerance,
+                nowhere,
                 path,
             )
             if status != LEFT:

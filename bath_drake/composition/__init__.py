@@ -1,0 +1,1 @@
+"""Chains of navigation fields: strokes that no single field can hold."""
