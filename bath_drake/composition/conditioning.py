@@ -49,11 +49,11 @@ class Conditioning:
 
     def __post_init__(self) -> None:
         for name in ("start", "goal", "starts", "pivots", "coefficients"):
-            value = np.array(getattr(self, name), dtype=np.float64)
-            if not np.isfinite(value).all():
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if not np.isfinite(array).all():
                 raise ValueError(f"{name} must be finite")
-            value.setflags(write=False)
-            object.__setattr__(self, name, value)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
         count, stages = len(self.starts), len(self.pivots)
         shapes = {
             "start": (2,),

@@ -60,8 +60,10 @@ def chain_rollout(
     for k, field in enumerate(chain.fields):
         workspace, gx, gy, kappa, forms = field.kernel_arguments
         gate = chain.gates[k].as_array() if k < len(chain.gates) else _NO_GATE
+        x, y = path[done].tolist()
         count, code, least, way = _rollouts.roll_out(
-            *path[done].tolist(),
+            x,
+            y,
             workspace,
             gx,
             gy,
