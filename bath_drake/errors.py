@@ -23,3 +23,7 @@ class ScenarioError(BathDrakeError):
 
 class RunFolderError(BathDrakeError):
     """A run folder lacks a file or holds a damaged one."""
+
+
+class CheckpointError(BathDrakeError):
+    """The checkpoint of a run cannot be used."""
