@@ -4,14 +4,7 @@ A skill file has the keys schema_version, field, start, seed, config,
 demonstration_hashes, canonical, mean_demonstration, scale, frechet, certificate
 and checksum. Floats come back to the last bit. The certificate names the field it
 is about by a checksum of the `field` block: one of another field is refused. Files
-of version 1 held no such checksum. A field block may stand in any YAML file::
-
-    field:
-      workspace: {centre: [0, 0], semi_axes: [5, 5], power: 2}
-      goal: [3, 0]
-      kappa: 4
-      obstacles:
-        - {centre: [0, 0], semi_axes: [1, 1], angle: 0, exponent: 1}
+of version 1 held no such checksum. For the `field` block see `bath_drake.field_file`.
 """
 
 from collections.abc import Sequence
@@ -27,6 +20,7 @@ from bath_drake.certificate_file import (
     content_checksum,
     take_certificate,
 )
+from bath_drake.composition.chain import Chain
 from bath_drake.demonstrations.canonical import (
     CanonicalDemonstration,
     CanonicalFrame,
@@ -34,7 +28,9 @@ from bath_drake.demonstrations.canonical import (
 )
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
-from bath_drake.field.obstacles import ObstacleSet, Workspace
+from bath_drake.field_file import field_from_mapping as field_from_mapping
+from bath_drake.field_file import field_to_mapping as field_to_mapping
+from bath_drake.field_file import take_chains
 from bath_drake.learning.learner import LearningResult
 from bath_drake.learning.skill import Skill
 from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically
@@ -84,7 +80,7 @@ def load_skill(path: str | Path, *, renew: bool = False) -> Skill:
     scale = block.take("scale", float)
     figures = block.take_block("frechet")
     frechet = {key: figures.take(key, float) for key in data["frechet"]}
-    field = _take_field(block, data)
+    field = _take_field(block)
     certificate = block.take("certificate", dict)
     if renew:
         certificate = {}
@@ -117,11 +113,24 @@ def load_field(path: str | Path) -> NavigationField:
     Raises:
         SkillFileError: Naming file and key.
     """
+    return _take_field(_open_fields(path))
+
+
+def load_chains(path: str | Path) -> tuple[Chain, ...]:
+    """Reads a `field` block, of a field or a list, as `load_field`: its chains.
+
+    Raises:
+        SkillFileError: Naming file and key.
+    """
+    return take_chains(_open_fields(path))
+
+
+def _open_fields(path: str | Path) -> Block:
     data = read_yaml(path, error=SkillFileError)
     block = Block(data, str(path), error=SkillFileError)
     if CHECKSUM in data:
         _check_checksum(block, data)
-    return _take_field(block, data)
+    return block
 
 
 def is_skill_file(path: str | Path) -> bool:
@@ -180,66 +189,15 @@ def skill_to_mapping(skill: Skill) -> dict[str, Any]:
     }
 
 
-def field_to_mapping(field: NavigationField) -> dict[str, Any]:
-    """A field as the tree of plain values of its `field` block."""
-    workspace, obstacles = field.workspace, field.obstacles
-    return {
-        "workspace": {
-            "centre": workspace.centre.tolist(),
-            "semi_axes": workspace.semi_axes.tolist(),
-            "power": int(workspace.power),
-        },
-        "goal": field.goal.tolist(),
-        "kappa": float(field.kappa),
-        "obstacles": [
-            {"centre": [x, y], "semi_axes": [a, b], "angle": angle, "exponent": w}
-            for (x, y, a, b, angle), w in zip(
-                obstacles.theta.tolist(), obstacles.powers.tolist(), strict=True
-            )
-        ],
-    }
-
-
-def field_from_mapping(
-    data: dict[str, Any], source: str = "field block"
-) -> NavigationField:
-    """The inverse of `field_to_mapping`; raises SkillFileError naming the key."""
-    mapping = {"field": data}
-    return _take_field(Block(mapping, source, error=SkillFileError), mapping)
-
-
-def _take_field(file: Block, data: dict[str, Any]) -> NavigationField:
-    if isinstance(data.get("field"), list):
+def _take_field(file: Block) -> NavigationField:
+    if file.is_list("field"):
         file.fail(
             "field",
             "found a list of fields (a composed skill); "
             "this version runs skills of a single field",
         )
-    block = file.take_block("field")
-    rim = block.take_block("workspace")
-    centre = np.array(rim.take_list("centre", float, 2))
-    semi_axes = np.array(rim.take_list("semi_axes", float, 2))
-    power = rim.take("power", int)
-    rim.finish()
-    goal = np.array(block.take_list("goal", float, 2))
-    kappa = block.take("kappa", float)
-    rows: list[list[float]] = []
-    exponents: list[float] = []
-    for item in block.take_blocks("obstacles"):
-        row = item.take_list("centre", float, 2) + item.take_list("semi_axes", float, 2)
-        rows.append([*row, item.take("angle", float)])
-        exponents.append(item.take("exponent", float))
-        item.finish()
-    block.finish()
-    key = "workspace"
-    try:
-        workspace = Workspace(centre, semi_axes, power)
-        key = "obstacles"
-        obstacles = ObstacleSet(np.array(rows).reshape(-1, 5), np.array(exponents))
-        key = ""
-        return NavigationField(workspace, goal, kappa, obstacles)
-    except ValueError as problem:
-        block.fail(key, str(problem))
+    (chain,) = take_chains(file)
+    return chain.fields[0]
 
 
 def _take_canonical(block: Block) -> CanonicalFrame:

@@ -160,6 +160,10 @@ class Block:
         del self._rest[key]
         return True
 
+    def is_list(self, key: str) -> bool:
+        """Whether a list stands under a key, which is left there."""
+        return self.has(key) and isinstance(self._rest[key], list)
+
     def _checked(self, key: str, value: Any, kind: type[T]) -> T:
         if kind is float and type(value) is int:
             value = float(value)

@@ -7,9 +7,12 @@ import pytest
 from bath_drake.certificate.result import Box, Certificate, Doubt, Enclosure, Trap
 from bath_drake.certificate_file import (
     certificate_to_mapping,
+    chain_certificates_to_mapping,
     content_checksum,
     take_certificate,
+    take_chain_certificates,
 )
+from bath_drake.composition.result import ChainCertificate, Handover
 from bath_drake.errors import SkillFileError
 from bath_drake.yaml_io import Block, dump_yaml, parse_yaml
 
@@ -85,3 +88,56 @@ def test_a_bad_block_is_refused_by_key(change, message):
     change(mapping)
     with pytest.raises(SkillFileError, match=message):
         take_certificate(block(mapping), FIELD)
+
+
+PROVED = Certificate("proved", "no trap", boxes=3)
+HANDOVER = Handover("proved", "free", 0.1 / 3, -1e-17, "every", None, (), 12)
+STUCK = Handover(
+    "refuted", "in obstacle 1", witness=(0.1, 1 / 3), doubts=FULL.doubts, boxes=1
+)
+CHAINS = (
+    ChainCertificate((PROVED, FULL, PROVED), (HANDOVER, STUCK), 0.5),
+    ChainCertificate((PROVED,)),
+)
+FIELDS = [FIELD, FIELD, FIELD, FIELD]
+
+
+def test_certificates_of_chains_come_back_but_for_their_times():
+    text = dump_yaml(chain_certificates_to_mapping(CHAINS, FIELDS))
+    back = take_chain_certificates(block(parse_yaml(text)), FIELDS)
+    timeless = ChainCertificate(
+        (PROVED, Certificate(**(vars(FULL) | {"seconds": 0.0})), PROVED),
+        (HANDOVER, STUCK),
+    )
+    assert back == (timeless, CHAINS[1])
+    assert back[0].verdict == "refuted"
+    assert back[0].witness == FULL.witness
+    assert back[1].reason == "no trap"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda d: d.update(verdict="proved"), "verdict: found 'proved', but stages"),
+        (lambda d: d["stages"].clear(), "stages: there is no chain|handovers must be"),
+        (lambda d: d["handovers"].pop(), "stages: 3 stages need 2 handovers, got 1"),
+        (lambda d: d["stages"][1].update(stage=2), r"stages\[1\].stage: branches and"),
+        (lambda d: d["stages"][3].update(branch=0), r"stages\[3\].stage: branches and"),
+        (lambda d: d["handovers"][0].update(branch=2), r"\[0\].stage: handovers must"),
+        (lambda d: d["handovers"][0].update(arrival="some"), "arrival: found 'some'"),
+        (lambda d: d["handovers"][0].update(clearance="x"), "clearance: found 'x'"),
+        (lambda d: d["handovers"][1].update(more=1), r"\[1\].more: unknown key"),
+        (lambda d: d.update(more=1), "certificate.more: unknown key"),
+    ],
+)
+def test_a_bad_block_of_a_chain_is_refused_by_key(change, message):
+    mapping = chain_certificates_to_mapping(CHAINS, FIELDS)
+    change(mapping)
+    with pytest.raises(SkillFileError, match=message):
+        take_chain_certificates(block(mapping), FIELDS)
+
+
+def test_a_chain_s_certificate_is_of_its_fields_alone():
+    mapping = chain_certificates_to_mapping(CHAINS, FIELDS)
+    with pytest.raises(SkillFileError, match=r"field_checksum: .* about another field"):
+        take_chain_certificates(block(mapping), FIELDS[:3])

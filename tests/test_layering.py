@@ -27,7 +27,7 @@ ORDER = (
     ("schema", "field"),
     ("certificate",),
     ("composition",),
-    ("certificate_file",),
+    ("certificate_file", "field_file"),
     ("perception",),
     ("demonstrations",),
     ("learning", "safety", "patient"),
