@@ -4,7 +4,6 @@ Both run forward only; the best such coupling is found by dynamic programming, a
 held while the roll-outs are linearised.
 """
 
-import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
@@ -73,47 +72,38 @@ def _couple(
 
 
 @njit(cache=True, nogil=True)
-def coupling(
+def couple_windows(
     paths: FloatArray,
     counts: IntArray,
     targets: FloatArray,
     lengths: IntArray,
     weights: FloatArray,
     power: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Windows' costs, and the pull of their coupling on every path point.
+    weight: FloatArray,
+    pull: FloatArray,
+    table: FloatArray,
+) -> float:
+    """The windows' cost, and the pull of their coupling on every path point.
 
-    For each member and window F = (mean |difference|^power)^(1/power) over the
-    best monotone coupling. Returns sum_w weights F (n,), and weights (n, W, T) and
-    weighted mean differences (n, W, T, 2) such that, the coupling held, F is locally
-    a sum of weight |point - target|^2 / 2.
+    For each window F = (mean |difference|^power)^(1/power) over the best monotone
+    coupling. Returns sum_w weights F and fills ``weight`` (W, T) and the weighted mean
+    differences ``pull`` (W, T, 2) such that, the coupling held, F is locally a sum of
+    weight |point - target|^2 / 2. ``table`` is room to work in.
     """
-    n, count, longest = paths.shape[:3]
-    total = np.zeros(n)
-    weight = np.zeros((n, count, longest))
-    pull = np.zeros((n, count, longest, 2))
-    for k in range(n):
-        table = np.empty((longest, targets.shape[1]))
-        for w in range(count):
-            m = lengths[w]
-            steps = counts[w] + 1
-            value = _couple(
-                paths[k, w],
-                steps,
-                targets[w],
-                m,
-                power,
-                weight[k, w],
-                pull[k, w],
-                table,
-            )
-            f = (value / m) ** (1.0 / power)
-            total[k] += weights[w] * f
-            # d F = F^(1 - p) / m * sum |d|^(p - 2) d . dx
-            scale = weights[w] * max(f, 1e-3) ** (1.0 - power) / m
-            for i in range(steps):
-                if weight[k, w, i] > 0.0:
-                    pull[k, w, i, 0] /= weight[k, w, i]
-                    pull[k, w, i, 1] /= weight[k, w, i]
-                weight[k, w, i] *= scale
-    return total, weight, pull
+    total = 0.0
+    for w in range(paths.shape[0]):
+        m = lengths[w]
+        steps = counts[w] + 1
+        value = _couple(
+            paths[w], steps, targets[w], m, power, weight[w], pull[w], table
+        )
+        f = (value / m) ** (1.0 / power)
+        total += weights[w] * f
+        # d F = F^(1 - p) / m * sum |d|^(p - 2) d . dx
+        scale = weights[w] * max(f, 1e-3) ** (1.0 - power) / m
+        for i in range(steps):
+            if weight[w, i] > 0.0:
+                pull[w, i, 0] /= weight[w, i]
+                pull[w, i, 1] /= weight[w, i]
+            weight[w, i] *= scale
+    return total

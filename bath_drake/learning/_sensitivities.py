@@ -8,24 +8,30 @@ from bath_drake.field._boundaries import compiled
 from bath_drake.field._sensitivities import obstacle_rows, sensitive_step
 from bath_drake.notation import FloatArray, IntArray
 
+Cut = tuple[FloatArray, FloatArray, IntArray, FloatArray, IntArray, FloatArray]
+"""Windows: starts (W, 2), targets (W, T, 2), lengths, steps, counts, weights (W,)."""
+World = tuple[FloatArray, FloatArray, float, FloatArray, FloatArray]
+"""Workspace (5,), goal (2,), floor of beta, points to be left clear, margins."""
+
 
 @compiled
-def normal_equations(
+def add_normal_equations(
     member: FloatArray,
-    starts: FloatArray,
-    steps: FloatArray,
-    counts: IntArray,
-    workspace: FloatArray,
-    goal: FloatArray,
-    floor: float,
+    windows: Cut,
+    world: World,
     weight: FloatArray,
     pull: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """J^T W J (P, P) and J^T W r (P,) of the roll-outs of `_kernels.shoot`.
+    matrix: FloatArray,
+    gradient: FloatArray,
+) -> None:
+    """Adds J^T W J (P, P) and J^T W r (P,) of the roll-outs of `shoot_member`.
 
     ``weight`` (W, T) and ``pull`` (W, T, 2) are the coupling's at this member, whose
     entries are the first 5 Q + 1 of `bath_drake.field._sensitivities`' parameters.
+    ``matrix`` is symmetric before and after.
     """
+    starts, _, _, steps, counts, _ = windows
+    workspace, goal, floor, _, _ = world
     size = member.shape[0]
     q = size // 5
     theta = np.empty((q, 5))
@@ -37,8 +43,6 @@ def normal_equations(
     kappa = math.exp(member[5 * q])
     gx = goal[0]
     gy = goal[1]
-    matrix = np.zeros((size, size))
-    gradient = np.zeros(size)
     rates = np.zeros((2, 2 + 6 * q + 3))
     row = np.empty((2, size))
     for w in range(starts.shape[0]):
@@ -64,4 +68,3 @@ def normal_equations(
     for p in range(size):
         for r in range(p):
             matrix[r, p] = matrix[p, r]
-    return matrix, gradient

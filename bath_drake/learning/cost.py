@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from bath_drake.field.obstacles import Workspace
-from bath_drake.learning import _kernels
+from bath_drake.learning import _hinges, _kernels
 from bath_drake.learning.strokes import StrokeSet
 from bath_drake.notation import FloatArray
 from bath_drake.threads import parallel_map, split
@@ -94,7 +94,7 @@ class LearningProblem:
         return np.asarray(points[inside])
 
     @cached_property
-    def _clear_points(self) -> FloatArray:
+    def clear_points(self) -> FloatArray:
         """Demonstration points that obstacles must leave free."""
         return np.ascontiguousarray(self.strokes.points[:, ::3].reshape(-1, 2))
 
@@ -106,9 +106,9 @@ class LearningProblem:
     def lacks(self, xs: FloatArray) -> FloatArray:
         """Validity hinges of members (n, P), shape (n, H)."""
         return np.asarray(
-            _kernels.hinges(
+            _hinges.hinges(
                 xs,
-                self._clear_points,
+                self.clear_points,
                 self.workspace.as_array(),
                 self.strokes.goal.copy(),
                 self.margins.as_array(),

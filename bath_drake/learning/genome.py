@@ -8,6 +8,7 @@ import numpy as np
 
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
+from bath_drake.learning import _kernels
 from bath_drake.notation import FloatArray
 
 GENES = 5
@@ -31,17 +32,19 @@ def scales(count: int) -> FloatArray:
 def clip(xs: FloatArray, workspace: Workspace) -> FloatArray:
     """Vectors (..., 5 Q + 1) moved into their bounds; angles are left alone."""
     xs = np.array(xs, dtype=np.float64)
-    rows = xs[..., :-1].reshape(*xs.shape[:-1], obstacle_count(xs), GENES)
+    within = limits(workspace)
+    for x in xs.reshape(-1, xs.shape[-1]):
+        _kernels.clip_member(x, within)
+    return xs
+
+
+def limits(workspace: Workspace) -> FloatArray:
+    """The bounds as `_kernels.clip_member` takes them, shape (9,)."""
     span = _CENTRE * workspace.semi_axes
     low, high = workspace.centre - span, workspace.centre + span
-    rows[..., :2] = np.clip(rows[..., :2], low, high)
-    mean = 0.5 * (rows[..., 2] + rows[..., 3])
-    half = np.clip(0.5 * (rows[..., 2] - rows[..., 3]), -0.5 * _RATIO, 0.5 * _RATIO)
-    rows[..., 2] = np.clip(mean + half, *_AXES)
-    rows[..., 3] = np.clip(mean - half, *_AXES)
-    xs[..., :-1] = rows.reshape(xs[..., :-1].shape)
-    xs[..., -1] = np.clip(xs[..., -1], *_KAPPA)
-    return xs
+    return np.array(
+        [low[0], high[0], low[1], high[1], *_AXES, _RATIO, *_KAPPA], dtype=np.float64
+    )
 
 
 def encode(field: NavigationField) -> FloatArray:

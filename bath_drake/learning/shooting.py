@@ -8,14 +8,15 @@ whole strokes. The roll-outs' derivatives are exact forward sensitivities.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from bath_drake.learning import _coupling, _kernels, _sensitivities, genome
+from bath_drake.learning import _fitting, _hinges, genome
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.notation import FloatArray, IntArray
 
-_DIFFERENCE = 1e-6
 # Smaller beta_i are held at this while shooting: windows may then start within an
 # obstacle that the hinges are about to push away.
 _FLOOR = 0.004
@@ -38,6 +39,18 @@ class Windows:
     steps: FloatArray
     counts: IntArray
     weights: FloatArray
+
+    @cached_property
+    def cut(self) -> tuple[Any, ...]:
+        """As the compiled descent takes them."""
+        return (
+            np.ascontiguousarray(self.targets[:, 0]),
+            np.ascontiguousarray(self.targets),
+            self.lengths,
+            self.steps,
+            self.counts,
+            self.weights,
+        )
 
     def __add__(self, other: "Windows") -> "Windows":
         long = max(self.targets.shape[1], other.targets.shape[1])
@@ -87,37 +100,19 @@ def shooting_cost(
     xs: FloatArray, problem: LearningProblem, windows: Windows, power: float, mu: float
 ) -> FloatArray:
     """Window cost plus mu / 2 times the squared hinges, for members (n, P): (n,)."""
-    cost, _, _ = _couple(_shoot(xs, problem, windows), windows, power)
-    return np.asarray(cost + 0.5 * mu * (problem.lacks(xs) ** 2).sum(axis=1))
+    xs = np.ascontiguousarray(xs, dtype=np.float64)
+    found = _fitting.costs(xs, windows.cut, _world(problem), power, mu)
+    return np.asarray(found)
 
 
-def _shoot(xs: FloatArray, problem: LearningProblem, windows: Windows) -> FloatArray:
-    return np.asarray(
-        _kernels.shoot(
-            xs,
-            np.ascontiguousarray(windows.targets[:, 0]),
-            windows.steps,
-            windows.counts,
-            int(windows.counts.max()),
-            problem.workspace.as_array(),
-            problem.strokes.goal.copy(),
-            _FLOOR,
-        )
+def _world(problem: LearningProblem) -> tuple[Any, ...]:
+    return (
+        problem.workspace.as_array(),
+        problem.strokes.goal.copy(),
+        _FLOOR,
+        problem.clear_points,
+        problem.margins.as_array(),
     )
-
-
-def _couple(
-    paths: FloatArray, windows: Windows, power: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    cost, weight, pull = _coupling.coupling(
-        paths,
-        windows.counts,
-        windows.targets,
-        windows.lengths,
-        windows.weights,
-        power,
-    )
-    return cost, weight, pull
 
 
 def fit(
@@ -136,55 +131,34 @@ def fit(
     Each iteration holds the coupling, linearises the roll-outs, and
     tries several dampings in one batch.
     """
-    scale = genome.scales(genome.obstacle_count(x))
-    x = genome.clip(x, problem.workspace)
-    damping = 1e-2
-    slow = 0
-    evaluations = 1
-    cost = float(shooting_cost(x[None], problem, windows, power, mu)[0])
-    for _ in range(iterations):
-        matrix, gradient = _normal_equations(x, problem, windows, power, mu)
-        diagonal = np.diag(matrix) + 1e-9 / scale**2
-        trials = damping * np.array([0.1, 3.0, 100.0])
-        steps = []
-        for lam in trials:
-            damped = matrix + np.diag(lam * diagonal + 1e-12 / scale**2)
-            d = -np.linalg.solve(damped, gradient)
-            steps.append(d / max(1.0, float(np.abs(d / scale).max())))
-        candidates = genome.clip(x + np.array(steps), problem.workspace)
-        costs = shooting_cost(candidates, problem, windows, power, mu)
-        evaluations += 1 + len(candidates)
-        best = int(np.argmin(costs))
-        if not costs[best] < cost:
-            if damping > 1e6:
-                break
-            damping *= 1e3
-            continue
-        slow = slow + 1 if cost - costs[best] < 1e-3 * cost else 0
-        x, cost = candidates[best], float(costs[best])
-        damping = float(np.clip(trials[best], 1e-7, 1e6))
-        if slow >= 3:
-            break
-    return x, cost, evaluations
-
-
-def _normal_equations(
-    x: FloatArray, problem: LearningProblem, windows: Windows, power: float, mu: float
-) -> tuple[FloatArray, FloatArray]:
-    """J^T J and J^T r of the held coupling and the hinges."""
-    _, weight, pull = _couple(_shoot(x[None], problem, windows), windows, power)
-    matrix, gradient = _sensitivities.normal_equations(
-        x,
-        np.ascontiguousarray(windows.targets[:, 0]),
-        windows.steps,
-        windows.counts,
-        problem.workspace.as_array(),
-        problem.strokes.goal.copy(),
-        _FLOOR,
-        weight[0],
-        pull[0],
+    found, cost, evaluations = _fitting.fit(
+        np.ascontiguousarray(x, dtype=np.float64),
+        windows.cut,
+        _world(problem),
+        power,
+        mu,
+        genome.scales(genome.obstacle_count(x)),
+        genome.limits(problem.workspace),
+        iterations,
     )
-    # The hinges are cheap: differences will do.
-    lacks = problem.lacks(np.concatenate([x[None], x + _DIFFERENCE * np.eye(len(x))]))
-    rows = (lacks[1:] - lacks[0]) / _DIFFERENCE
-    return matrix + mu * rows @ rows.T, gradient + mu * rows @ lacks[0]
+    return found, float(cost), int(evaluations)
+
+
+def linearise(
+    x: FloatArray, problem: LearningProblem, windows: Windows, power: float, mu: float
+) -> tuple[float, FloatArray, FloatArray]:
+    """The cost at x (P,), and J^T J (P, P) and J^T r (P,), its gradient."""
+    x = np.ascontiguousarray(x, dtype=np.float64)
+    cost, matrix, gradient = _fitting.linearise(
+        x, windows.cut, _world(problem), power, mu
+    )
+    return float(cost), matrix, gradient
+
+
+def hinge_slopes(x: FloatArray, problem: LearningProblem) -> FloatArray:
+    """Derivatives (H, P) of `LearningProblem.lacks` at x (P,), where they lack."""
+    workspace, goal, _, points, margins = _world(problem)
+    rows = np.zeros((len(problem.lacks(x[None])[0]), _hinges.HINGE))
+    forms = _hinges.member_forms(x)
+    _hinges.member_hinges(x, forms, points, workspace, goal, margins, rows)
+    return np.array([_hinges.dense(row, len(x)) for row in rows])

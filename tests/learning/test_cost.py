@@ -109,13 +109,15 @@ def test_the_normal_equations_give_the_gradient_of_the_cost(
     windows = shooting.cut_windows(problem.strokes.points, 10, 7)
     x = seed_population(problem, 2, 1, np.random.default_rng(8))[0]
     for power in (2.0, 6.0):
-        _, gradient = shooting._normal_equations(x, problem, windows, power, 10.0)
+        cost, matrix, gradient = shooting.linearise(x, problem, windows, power, 10.0)
+        again = shooting.shooting_cost(x[None], problem, windows, power, 10.0)
+        assert again == pytest.approx([cost], rel=1e-12)
+        np.testing.assert_array_equal(matrix, matrix.T)
         h = 1e-6
         shifted = np.concatenate([x + h * np.eye(len(x)), x - h * np.eye(len(x))])
         costs = shooting.shooting_cost(shifted, problem, windows, power, 10.0)
         difference = (costs[: len(x)] - costs[len(x) :]) / (2.0 * h)
-        # Forward differences of step 1e-6 inside; couplings that switch between
-        # x - h and x + h are the rest.
+        # Couplings that switch between x - h and x + h.
         np.testing.assert_allclose(
             gradient, difference, rtol=1e-3, atol=5e-4 * np.abs(difference).max()
         )
@@ -163,3 +165,23 @@ def test_unusable_strokes_are_refused_by_name(
         gather_strokes([stroke])
     with pytest.raises(DemonstrationError, match="no demonstration"):
         gather_strokes([])
+
+
+def test_the_hinges_rows_are_their_derivatives(make_strokes: MakeStrokes) -> None:
+    problem = _problem(make_strokes)
+    seen = np.zeros(11, dtype=bool)
+    for x in seed_population(problem, 2, 40, np.random.default_rng(4)):
+        x = x - np.append(np.zeros(10), 1.0)  # a kappa that is too low
+        rows = shooting.hinge_slopes(x, problem)
+        h = 1e-6
+        ahead, behind = (
+            problem.lacks(x + h * np.eye(11)),
+            problem.lacks(x - h * np.eye(11)),
+        )
+        lacking = problem.lacks(x[None])[0] > 1e-5  # clear of its kink
+        # Differences of second order; the curvature's own are of first order.
+        np.testing.assert_allclose(
+            rows[lacking], ((ahead - behind) / (2.0 * h)).T[lacking], atol=1e-4
+        )
+        seen[: len(lacking)] |= lacking
+    assert seen[[0, 1, 2, 5, 6]].any()
