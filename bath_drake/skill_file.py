@@ -1,10 +1,14 @@
-"""Skills and fields as YAML files: strict to read, whole when written.
+"""Skills as YAML files: strict to read, whole when written.
 
-A skill file has the keys schema_version, field, start, seed, config,
-demonstration_hashes, canonical, mean_demonstration, scale, frechet, certificate
-and checksum. Floats come back to the last bit. The certificate names the field it
-is about by a checksum of the `field` block: one of another field is refused. Files
-of version 1 held no such checksum. For the `field` block see `bath_drake.field_file`.
+A skill file has the keys schema_version, finished, field, start, branches, seed,
+config, demonstration_hashes, canonical, scale, frechet, certificate and checksum.
+`field` is a mapping where one field is all there is, else a list of them (see
+`bath_drake.field_file`). `start` is that of the first of `branches` (see
+`bath_drake.branch_file`). Floats come back to the last bit. The certificate names what
+it is about by a checksum of the `field` block: one of another field is refused.
+
+Files of version 2 are of a single field, have its mean demonstration beside `start`
+and neither branches nor finished; those of version 1 held no checksum of the field.
 """
 
 from collections.abc import Sequence
@@ -14,13 +18,18 @@ from typing import Any, get_args
 
 import numpy as np
 
+from bath_drake.branch_file import branch_to_mapping, take_branch
 from bath_drake.certificate.result import Certificate
 from bath_drake.certificate_file import (
     certificate_to_mapping,
+    chain_certificates_to_mapping,
     content_checksum,
     take_certificate,
+    take_chain_certificates,
 )
+from bath_drake.composition.branch import Branch
 from bath_drake.composition.chain import Chain
+from bath_drake.composition.result import ChainCertificate
 from bath_drake.demonstrations.canonical import (
     CanonicalDemonstration,
     CanonicalFrame,
@@ -28,15 +37,16 @@ from bath_drake.demonstrations.canonical import (
 )
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
+from bath_drake.field_file import chains_to_mapping, take_chains
 from bath_drake.field_file import field_from_mapping as field_from_mapping
 from bath_drake.field_file import field_to_mapping as field_to_mapping
-from bath_drake.field_file import take_chains
 from bath_drake.learning.learner import LearningResult
 from bath_drake.learning.skill import Skill
 from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically
 
-SCHEMA_VERSION = 2
-CHECKSUM = "checksum"
+SCHEMA_VERSION = 3
+_OLDER = 2
+FIELD, CERTIFICATE, CHECKSUM = "field", "certificate", "checksum"
 
 
 def save_skill(path: str | Path, skill: Skill) -> None:
@@ -44,13 +54,12 @@ def save_skill(path: str | Path, skill: Skill) -> None:
 
     Raises:
         SkillFileError: When the file cannot be written, or the skill's certificate is
-            not about its field.
+            not about its fields.
         ValueError: When `config` holds what YAML cannot.
     """
     data = skill_to_mapping(skill)
-    certificate = data["certificate"]
-    inner = Block(certificate, str(path), "certificate", SkillFileError)
-    take_certificate(inner, data["field"])
+    block = Block(data, str(path), error=SkillFileError)
+    _check_certificate(block, data)
     text = f"{dump_yaml(data)}{CHECKSUM}: {content_checksum(data)}\n"
     write_atomically(path, text, error=SkillFileError)
 
@@ -69,68 +78,72 @@ def load_skill(path: str | Path, *, renew: bool = False) -> Skill:
     """
     data = read_yaml(path, error=SkillFileError)
     block = Block(data, str(path), error=SkillFileError)
-    _check_version(block, renew)
+    version = _take_version(block, renew)
     _check_checksum(block, data)
     start = block.take_list("start", float, 2)
     seed = block.take("seed", int)
     config = block.take("config", dict)
     hashes = tuple(block.take_list("demonstration_hashes", str))
     canonical = _take_canonical(block.take_block("canonical"))
-    mean = block.take_rows("mean_demonstration", None, 2)
     scale = block.take("scale", float)
     figures = block.take_block("frechet")
     frechet = {key: figures.take(key, float) for key in data["frechet"]}
-    field = _take_field(block)
-    certificate = block.take("certificate", dict)
-    if renew:
-        certificate = {}
+    chains = take_chains(block)
+    if version < SCHEMA_VERSION:
+        finished, branches = True, _take_old_branch(block, chains, start)
     else:
-        inner = Block(certificate, str(path), "certificate", SkillFileError)
-        take_certificate(inner, field_to_mapping(field))
+        finished = block.take("finished", bool)
+        branches = _take_branches(block, chains, start)
+    if renew:
+        block.take(CERTIFICATE, dict)
+    else:
+        _check_certificate(block, data)
     block.finish()
     try:
         return Skill(
-            field=field,
-            start=np.array(start),
+            branches=branches,
             seed=seed,
             config=config,
             demonstration_hashes=hashes,
             canonical=canonical,
-            mean_demonstration=np.array(mean),
             scale=scale,
             frechet=frechet,
-            certificate=certificate,
+            certificate={} if renew else data[CERTIFICATE],
+            finished=finished,
         )
     except ValueError as problem:
         block.fail("", str(problem))
 
 
-def load_field(path: str | Path) -> NavigationField:
+def load_chains(path: str | Path) -> tuple[Chain, ...]:
     """Reads the `field` block of a skill file or of any other YAML file.
 
     Other keys are not looked at, except that a skill's checksum must be right.
 
-    Raises:
-        SkillFileError: Naming file and key.
-    """
-    return _take_field(_open_fields(path))
-
-
-def load_chains(path: str | Path) -> tuple[Chain, ...]:
-    """Reads a `field` block, of a field or a list, as `load_field`: its chains.
+    Returns:
+        A chain for each branch: one of one field where the block is a mapping.
 
     Raises:
         SkillFileError: Naming file and key.
     """
-    return take_chains(_open_fields(path))
-
-
-def _open_fields(path: str | Path) -> Block:
     data = read_yaml(path, error=SkillFileError)
     block = Block(data, str(path), error=SkillFileError)
     if CHECKSUM in data:
         _check_checksum(block, data)
-    return block
+    return take_chains(block)
+
+
+def load_field(path: str | Path) -> NavigationField:
+    """Reads a single field as `load_chains` does.
+
+    Raises:
+        SkillFileError: Naming file and key; also where there are several fields.
+    """
+    chains = load_chains(path)
+    if len(chains) > 1 or len(chains[0]) > 1:
+        count = sum(len(chain) for chain in chains)
+        raise SkillFileError(f"{path}: {FIELD}: found {count} fields, expected one")
+    return chains[0].fields[0]
 
 
 def is_skill_file(path: str | Path) -> bool:
@@ -138,10 +151,27 @@ def is_skill_file(path: str | Path) -> bool:
     return "schema_version" in read_yaml(path, error=SkillFileError)
 
 
-def certified(skill: Skill, certificate: Certificate) -> Skill:
-    """Returns the skill with a certificate that was made of its field."""
-    block = certificate_to_mapping(certificate, field_to_mapping(skill.field))
-    return replace(skill, certificate=block)
+def certified(skill: Skill, *certificates: Certificate | ChainCertificate) -> Skill:
+    """Returns the skill with certificates that were made of its branches' chains.
+
+    Args:
+        skill: What they are about.
+        certificates: One a branch; of a single skill that of the field will do.
+
+    Raises:
+        ValueError: There is not one for each branch.
+    """
+    chains = [
+        ChainCertificate((c,)) if isinstance(c, Certificate) else c
+        for c in certificates
+    ]
+    if [len(c.stages) for c in chains] != [len(c) for c in skill.chains]:
+        raise ValueError("the certificates are not of the skill's branches")
+    block = _field_block(skill.chains)
+    if isinstance(block, list):
+        return replace(skill, certificate=chain_certificates_to_mapping(chains, block))
+    of_field = certificate_to_mapping(chains[0].stages[0], block)
+    return replace(skill, certificate=of_field)
 
 
 def skill_from_result(
@@ -150,20 +180,23 @@ def skill_from_result(
     frame: CanonicalFrame,
 ) -> Skill:
     """What is kept of learning: the same result gives the same skill, bit by bit."""
-    return Skill(
-        field=result.field,
+    starts = np.array([d.points[0] for d in demonstrations]) + result.offsets
+    branch = Branch(
+        chain=Chain((result.field,)),
         start=result.start,
+        starts=starts,
+        mean=result.mean_demonstration,
+    )
+    skill = Skill(
+        branches=(branch,),
         seed=result.config.seed,
         config=_plain(asdict(result.config)),
         demonstration_hashes=tuple(d.sha256 for d in demonstrations),
         canonical=frame,
-        mean_demonstration=result.mean_demonstration,
         scale=result.scale,
         frechet=dict(result.frechet),
-        certificate=certificate_to_mapping(
-            result.certificate, field_to_mapping(result.field)
-        ),
     )
+    return certified(skill, result.certificate)
 
 
 def skill_to_mapping(skill: Skill) -> dict[str, Any]:
@@ -171,8 +204,10 @@ def skill_to_mapping(skill: Skill) -> dict[str, Any]:
     frame = skill.canonical
     return {
         "schema_version": SCHEMA_VERSION,
-        "field": field_to_mapping(skill.field),
+        "finished": bool(skill.finished),
+        FIELD: _field_block(skill.chains),
         "start": skill.start.tolist(),
+        "branches": [branch_to_mapping(branch) for branch in skill.branches],
         "seed": int(skill.seed),
         "config": _plain(skill.config),
         "demonstration_hashes": list(skill.demonstration_hashes),
@@ -182,22 +217,54 @@ def skill_to_mapping(skill: Skill) -> dict[str, Any]:
             "axes": frame.axes.tolist(),
             "scales": frame.scales.tolist(),
         },
-        "mean_demonstration": skill.mean_demonstration.tolist(),
         "scale": float(skill.scale),
         "frechet": _plain(skill.frechet),
-        "certificate": _plain(skill.certificate),
+        CERTIFICATE: _plain(skill.certificate),
     }
 
 
-def _take_field(file: Block) -> NavigationField:
-    if file.is_list("field"):
-        file.fail(
-            "field",
-            "found a list of fields (a composed skill); "
-            "this version runs skills of a single field",
+def _take_old_branch(
+    block: Block, chains: tuple[Chain, ...], start: list[float]
+) -> tuple[Branch, ...]:
+    """The one branch of a file of version 1 or 2."""
+    if len(chains) > 1 or len(chains[0]) > 1:
+        block.fail(FIELD, f"found a list, version {_OLDER} holds a single field")
+    mean = block.take_rows("mean_demonstration", None, 2)
+    try:
+        branch = Branch(
+            chain=chains[0],
+            start=np.array(start),
+            starts=np.array([start]),
+            mean=np.array(mean).reshape(-1, 2),
         )
-    (chain,) = take_chains(file)
-    return chain.fields[0]
+    except ValueError as problem:
+        block.fail("", str(problem))
+    return (branch,)
+
+
+def _take_branches(
+    block: Block, chains: tuple[Chain, ...], start: list[float]
+) -> tuple[Branch, ...]:
+    blocks = block.take_blocks("branches")
+    if len(blocks) != len(chains):
+        block.fail(
+            "branches",
+            f"found {len(blocks)}, the fields make up {len(chains)}",
+        )
+    branches = tuple(take_branch(b, c) for b, c in zip(blocks, chains, strict=True))
+    first = branches[0].start.tolist()
+    if start != first:
+        block.fail("start", f"found {start}, the first branch has {first}")
+    return branches
+
+
+def _check_certificate(file: Block, data: dict[str, Any]) -> None:
+    """Takes the certificate, which must be about the fields beside it."""
+    block = file.take_block(CERTIFICATE)
+    if isinstance(data[FIELD], list):
+        take_chain_certificates(block, data[FIELD])
+    else:
+        take_certificate(block, data[FIELD])
 
 
 def _take_canonical(block: Block) -> CanonicalFrame:
@@ -218,11 +285,18 @@ def _take_canonical(block: Block) -> CanonicalFrame:
         block.fail("", str(problem))
 
 
-def _check_version(block: Block, renew: bool) -> None:
+def _field_block(chains: Sequence[Chain]) -> Any:
+    """A mapping where one field is all there is, else a list."""
+    if len(chains) == 1 and len(chains[0]) == 1:
+        return field_to_mapping(chains[0].fields[0])
+    return chains_to_mapping(chains)
+
+
+def _take_version(block: Block, renew: bool) -> int:
     version = block.take("schema_version", int)
-    if version == SCHEMA_VERSION or (renew and version == 1):
-        return
-    message = f"found {version}, this version reads {SCHEMA_VERSION}"
+    if version in (SCHEMA_VERSION, _OLDER) or (renew and version == 1):
+        return version
+    message = f"found {version}, this version reads {_OLDER} and {SCHEMA_VERSION}"
     if version == 1:
         message += (
             "; a version 1 certificate is no proof and names no field: "

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import open3d as o3d
+from made_up_skill import single_branch
 from scipy.spatial.transform import Rotation
 
 from bath_drake.certificate.certify import certify
@@ -78,13 +79,11 @@ def make_skill(scenario: Scenario) -> Skill:
     )
     box = np.concatenate([d.points for d in demonstrations])
     skill = Skill(
-        field=field,
-        start=mean[0],
+        branches=(single_branch(field, mean[0], mean),),
         seed=7,
         config={"obstacles": 2},
         demonstration_hashes=tuple(d.sha256 for d in demonstrations),
         canonical=frame,
-        mean_demonstration=mean,
         scale=float(np.ptp(box, axis=0).max()),
         frechet={"mean": 0.021, "cost": 0.06, "floor": 0.055},
     )

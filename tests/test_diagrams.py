@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up_skill import with_branch
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import EventStatus
 from write_wiring import BUILDERS, RECORDS, made_up_skill, shipped_diagram, wiring_text
@@ -35,7 +36,7 @@ def other_skill():
         kappa=4.0,
         obstacles=ObstacleSet(np.array([[0.0, -0.1, 0.2, 0.1, 0.7]])),
     )
-    return replace(skill, field=field, start=np.array([0.5, 0.6]))
+    return with_branch(skill, field=field, start=np.array([0.5, 0.6]))
 
 
 def drive(diagram, skill=None):

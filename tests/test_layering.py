@@ -32,6 +32,7 @@ ORDER = (
     ("demonstrations",),
     ("learning", "safety", "patient"),
     ("control",),
+    ("branch_file",),
     ("skill_file",),
     ("systems",),
     ("scene",),

@@ -3,20 +3,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up_skill import old_mapping, with_branch
 
 from bath_drake.certificate.certify import certify, certify_from
 from bath_drake.certificate_file import content_checksum
 from bath_drake.cli import main
 from bath_drake.demonstrations.canonical import CanonicalFrame
 from bath_drake.demonstrations.recording import read_recording
+from bath_drake.field_file import field_from_mapping
 from bath_drake.resources import models_folder
-from bath_drake.skill_file import (
-    certified,
-    field_from_mapping,
-    load_skill,
-    save_skill,
-    skill_to_mapping,
-)
+from bath_drake.skill_file import certified, load_skill, save_skill
 from bath_drake.yaml_io import dump_yaml
 
 DEMONSTRATIONS = sorted(
@@ -70,7 +66,7 @@ def write_world(folder, world):
 def with_field(skill, world):
     """The skill with another field and its certificate."""
     field = field_from_mapping(world)
-    return certified(replace(skill, field=field), certify(field))
+    return certified(with_branch(skill, field=field), certify(field))
 
 
 def refused(capsys, *words):
@@ -328,7 +324,7 @@ def test_a_skill_whose_start_is_in_an_obstacle_is_refuted(skill, tmp_path, capsy
     learned = load_skill(skill)
     assert main(["certify", str(skill)]) == 0
     path = tmp_path / "stuck.yaml"
-    save_skill(path, replace(learned, start=learned.field.obstacles.theta[0, :2]))
+    save_skill(path, with_branch(learned, start=learned.field.obstacles.theta[0, :2]))
     assert main(["certify", str(path), "-o", str(tmp_path / "c.json")]) == 1
     assert json.loads((tmp_path / "c.json").read_text())["verdict"] == "refuted"
 
@@ -337,7 +333,7 @@ def test_a_skill_in_a_field_that_traps_is_told_what_its_own_start_reaches(
     skill, tmp_path, capsys
 ):
     path = tmp_path / "skill.yaml"
-    save_skill(path, replace(with_field(load_skill(skill), TRAP), start=[2.0, 1.0]))
+    save_skill(path, with_branch(with_field(load_skill(skill), TRAP), start=[2.0, 1.0]))
     assert main(["certify", str(path)]) == 1
     found = json.loads(capsys.readouterr().out)
     assert found["verdict"] == "refuted"
@@ -361,10 +357,8 @@ def test_the_picture_goes_beside_the_certificate_or_where_it_is_told(
 
 
 def test_a_skill_of_version_1_is_renewed_and_its_field_kept(skill, tmp_path, capsys):
-    old = skill_to_mapping(load_skill(skill)) | {
-        "schema_version": 1,
-        "certificate": {"verdict": "numeric-pass"},
-    }
+    old = old_mapping(load_skill(skill), version=1)
+    old["certificate"] = {"verdict": "numeric-pass"}
     path = tmp_path / "old.yaml"
     path.write_text(dump_yaml(old | {"checksum": content_checksum(old)}))
     assert "certify --renew" in refused(capsys, "certify", path)

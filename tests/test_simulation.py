@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_up_run import PROMISED_METRICS
+from made_up_skill import with_branch
 from pydrake.common.value import Value
 from pydrake.systems.framework import LeafSystem
 from pydrake.systems.sensors import ImageDepth32F, ImageRgba8U
@@ -175,9 +176,8 @@ def test_a_skill_whose_world_traps_never_moves_the_arm():
     # A wall between start and goal, broadside: the start's own region traps too.
     wall = ObstacleSet(np.array([[-0.3, 0.0, 0.03, 0.9, 0.0]]))
     field = NavigationField(skill.field.workspace, skill.field.goal, 10.0, wall)
-    log = run(
-        diagrams.build_reproduction(scenario, replace(skill, field=field)), scenario
-    )
+    skill = with_branch(skill, field=field)
+    log = run(diagrams.build_reproduction(scenario, skill), scenario)
     seen = log.time > 0.05
     assert (log.certificate_verdict[seen] == WorldVerdict.REFUTED).all()
     assert (log.hold_reason[seen] == HoldReason.UNSOUND_WORLD).all()

@@ -5,21 +5,31 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up_skill import (
+    FRAME,
+    composed_skill,
+    crossing_chain,
+    old_mapping,
+    single_branch,
+    with_branch,
+)
 
 from bath_drake.certificate.certify import certify
 from bath_drake.certificate.result import Certificate
 from bath_drake.certificate_file import content_checksum
+from bath_drake.composition.chain import Chain
+from bath_drake.composition.result import ChainCertificate, Handover
 from bath_drake.demonstrations.canonical import CanonicalFrame
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
+from bath_drake.field_file import field_from_mapping, field_to_mapping
 from bath_drake.learning.skill import Skill
 from bath_drake.resources import models_folder
 from bath_drake.skill_file import (
     certified,
-    field_from_mapping,
-    field_to_mapping,
     is_skill_file,
+    load_chains,
     load_field,
     load_skill,
     save_skill,
@@ -57,20 +67,19 @@ def fields(draw):
     return NavigationField(workspace, np.array(draw(pair)), draw(POSITIVE), obstacles)
 
 
+def made_up_branch(field=None):
+    field = field or field_from_mapping(parse_yaml(FIELD_FILE)["field"])
+    start = np.array([-0.1 - 0.2, 1e-17])
+    return single_branch(field, start, np.array([start, [0.1, 0.7], [1 / 3, 0.0]]))
+
+
 def make_skill(field=None, **changes):
     values = {
-        "field": field or field_from_mapping(parse_yaml(FIELD_FILE)["field"]),
-        "start": np.array([-0.1 - 0.2, 1e-17]),
+        "branches": (made_up_branch(field),),
         "seed": 2**63,
         "config": {"method": "auto", "obstacles": None, "margins": {"pair": 0.04}},
         "demonstration_hashes": ("ab" * 32, "cd" * 32),
-        "canonical": CanonicalFrame(
-            "path_plane",
-            np.array([0.1, 0.2, 1 / 3]),
-            np.array([[0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]),
-            np.array([0.2, 0.25]),
-        ),
-        "mean_demonstration": np.array([[-0.3, 1e-17], [0.1, 0.7], [1 / 3, 0.0]]),
+        "canonical": FRAME,
         "scale": 4 / 3,
         "frechet": {"to_mean": 0.1 / 3, "cost": 0.02},
     }
@@ -102,9 +111,9 @@ def test_a_skill_comes_back_from_its_file_to_the_last_bit(tmp_path_factory, fiel
     assert back.field == skill.field
     assert back.canonical == skill.canonical
     np.testing.assert_array_equal(back.start, skill.start)
-    for name in ("seed", "config", "demonstration_hashes", "scale", "frechet"):
+    names = ("seed", "config", "demonstration_hashes", "scale", "frechet", "finished")
+    for name in (*names, "certificate"):
         assert getattr(back, name) == getattr(skill, name)
-    assert back.certificate == skill.certificate
     assert load_field(path) == skill.field
 
 
@@ -164,11 +173,114 @@ def test_a_bad_field_is_refused_by_key(tmp_path, old, new, message):
     assert str(caught.value).startswith(f"{path}: ")
 
 
-def test_a_composed_skill_is_refused_by_name(tmp_path):
+@pytest.fixture(params=[False, True], ids=["fixed", "conditioned"])
+def composed(request, tmp_path):
+    """A skill of two branches, of three fields and of one, and its file."""
+    loop = crossing_chain()
+    skill = composed_skill([loop, Chain(loop.fields[:1])], conditioned=request.param)
+    skill = certified(replace(skill, finished=False), *proofs(skill))
     path = tmp_path / "composed.yaml"
-    path.write_text("field:\n- {goal: [0, 0]}\n- {goal: [1, 0]}\n")
-    with pytest.raises(SkillFileError, match=r"composed skill.*single field"):
+    save_skill(path, skill)
+    return skill, path
+
+
+def proofs(skill):
+    gate = Handover("proved", "free", clearance=0.1 + 0.2)
+    return [
+        ChainCertificate((CERTIFICATE,) * len(chain), (gate,) * (len(chain) - 1))
+        for chain in skill.chains
+    ]
+
+
+def test_a_composed_skill_comes_back_to_the_last_bit(composed, tmp_path):
+    skill, path = composed
+    back = load_skill(path)
+    assert back.chains == load_chains(path) == skill.chains
+    assert skill_to_mapping(back) == skill_to_mapping(skill)
+    assert not back.finished
+    save_skill(tmp_path / "again.yaml", back)
+    assert (tmp_path / "again.yaml").read_bytes() == path.read_bytes()
+    # What is read moves as what was written.
+    start, goal = skill.start + 0.03, skill.chain.goal + 0.02
+    assert back.chain_for(start, goal) == skill.chain_for(start, goal)
+
+
+def test_a_composed_skill_is_no_single_field(composed):
+    skill, path = composed
+    assert not skill.is_single
+    assert skill.obstacle_count == 4
+    with pytest.raises(ValueError, match="4 fields has no single field"):
+        _ = skill.field
+    with pytest.raises(SkillFileError, match="field: found 4 fields, expected one"):
         load_field(path)
+
+
+def test_the_branch_that_was_shown_nearest_to_the_start_is_taken():
+    skill = make_skill()
+    far = single_branch(skill.field, np.array([2.0, 2.0]))
+    skill = replace(skill, branches=(*skill.branches, far))
+    assert skill.branch_for([1.9, 1.0]) is far
+    assert skill.branch_for(skill.start) is skill.branches[0]
+    assert skill.chain_for([1.9, 1.0]) == far.chain
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda d: d["field"][1].pop("gate"),
+            r"field\[2\].branch: found 0, expected 1",
+        ),
+        (lambda d: d["field"].pop(), r"branches: found 2, the fields make up 1"),
+        (
+            lambda d: d["field"][0].update(kappa=3.0),
+            r"certificate.field_checksum: .* another field",
+        ),
+        (
+            lambda d: d["branches"][0].update(start=d["branches"][1]["start"][::-1]),
+            "start: found .*, the first branch has",
+        ),
+    ],
+)
+def test_a_composed_skill_that_does_not_fit_together_is_refused(
+    composed, tmp_path, change, message
+):
+    data = skill_to_mapping(composed[0])
+    change(data)
+    path = written(tmp_path / "changed.yaml", data)
+    with pytest.raises(SkillFileError, match=message):
+        load_skill(path)
+
+
+@pytest.mark.parametrize("composed", [True], indirect=True)
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c.pop("width"), "width: is missing"),
+        (lambda c: c.update(width=0.0), "width must be positive"),
+        (lambda c: c.update(width=1, more=2), "more: unknown key"),
+        (lambda c: c["pivots"].pop(), "pivots: found 2 items, expected 3"),
+        (lambda c: c["coefficients"].pop(), "coefficients: found 11 items, expected"),
+        (lambda c: c["coefficients"][3].pop(), r"\[3\]: found 5 items, expected 6"),
+        (lambda c: c["starts"].pop(), r"\[0\]: found 6 items, expected 5"),
+    ],
+)
+def test_a_bad_conditioning_is_refused_by_key(composed, tmp_path, change, message):
+    data = skill_to_mapping(composed[0])
+    change(data["branches"][0]["conditioning"])
+    path = written(tmp_path / "changed.yaml", data)
+    message = r"branches\[0\].conditioning.*" + message
+    with pytest.raises(SkillFileError, match=message):
+        load_skill(path)
+
+
+def test_a_skill_needs_a_branch_and_a_certificate_for_each():
+    skill = make_skill()
+    with pytest.raises(ValueError, match="at least one branch"):
+        replace(skill, branches=())
+    for wrong in ([], [CERTIFICATE] * 2, proofs(composed_skill())):
+        with pytest.raises(ValueError, match="not of the skill's branches"):
+            certified(skill, *wrong)
 
 
 @pytest.mark.parametrize(
@@ -204,9 +316,21 @@ def test_a_field_in_a_damaged_skill_is_refused(saved):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda d: d.update(schema_version=3), "schema_version: found 3, .* reads 2$"),
+        (lambda d: d.update(schema_version=4), "schema_version: found 4, .* 2 and 3$"),
         (lambda d: d.update(extra=1), "extra: unknown key, allowed: schema_version"),
         (lambda d: d.update(start=[1.0]), "start: found 1 items, expected 2"),
+        (lambda d: d.update(start=[1.0, 2.0]), "start: found .* first branch has"),
+        (lambda d: d.update(finished="yes"), "finished: found 'yes', expected true"),
+        (lambda d: d.update(branches=[]), "branches: found 0, the fields make up 1"),
+        (lambda d: d["branches"][0].pop("starts"), r"branches\[0\].starts: is missing"),
+        (
+            lambda d: d["branches"][0].update(mean_demonstration=[[0, 1]]),
+            r"branches\[0\]: mean has shape",
+        ),
+        (
+            lambda d: d["branches"][0].update(conditioning=1),
+            r"branches\[0\].conditioning: found 1, expected a mapping",
+        ),
         (lambda d: d.update(scale=0.0), "file: scale must be positive"),
         (lambda d: d["frechet"].update(cost="low"), "frechet.cost: found 'low'"),
         (lambda d: d.update(frechet=3), "frechet: found 3, expected a mapping"),
@@ -268,27 +392,31 @@ def test_a_skill_whose_certificate_is_of_another_field_is_refused(tmp_path, chan
 
 def test_a_skill_with_another_fields_certificate_is_not_even_saved(tmp_path):
     skill = make_skill()
-    other = replace(skill, field=replace(skill.field, kappa=9.0))
+    other = with_branch(skill, field=replace(skill.field, kappa=9.0))
     with pytest.raises(SkillFileError, match="about another field"):
         save_skill(tmp_path / "skill.yaml", other)
-    with pytest.raises(SkillFileError, match="field_checksum: is missing"):
+    with pytest.raises(SkillFileError, match=r"field_checksum: is missing"):
         save_skill(tmp_path / "skill.yaml", replace(skill, certificate={}))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_skill_of_version_1_is_refused_with_the_way_to_renew_it(tmp_path):
     skill = make_skill()
-    old = skill_to_mapping(skill) | {
-        "schema_version": 1,
-        "certificate": {"verdict": "numeric-pass", "critical_points": []},
-    }
+    old = old_mapping(skill, version=1)
+    old["certificate"] = {"verdict": "numeric-pass", "critical_points": []}
     path = written(tmp_path / "skill.yaml", old)
-    with pytest.raises(SkillFileError, match=r"found 1, .*reads 2; .* --renew"):
+    with pytest.raises(SkillFileError, match=r"found 1, .*reads 2 and 3; .* --renew"):
         load_skill(path)
     renewed = certified(load_skill(path, renew=True), CERTIFICATE)
     save_skill(path, renewed)
     assert load_skill(path).field == skill.field
     assert load_skill(path).certificate == skill.certificate
+
+
+def test_a_skill_of_version_2_is_read_as_it_is(tmp_path):
+    skill = make_skill()
+    back = load_skill(written(tmp_path / "skill.yaml", old_mapping(skill)))
+    assert skill_to_mapping(back) == skill_to_mapping(skill)
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_up_run import PROMISED_METRICS, make_log, make_skill
+from made_up_skill import with_branch
 from pydrake.common.eigen_geometry import Quaternion
 
 from bath_drake.control.approach import Phase
@@ -27,7 +28,7 @@ def skill():
     field = replace(made_up.field, obstacles=ObstacleSet())
     rolled = rollout(made_up.start, field)
     assert rolled.status is RolloutStatus.ARRIVED
-    return replace(made_up, field=field, mean_demonstration=rolled.path)
+    return with_branch(made_up, field=field, mean=rolled.path)
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +145,7 @@ def test_a_path_a_tenth_off_fails(make, skill):
 def test_a_skill_a_tenth_off_its_demonstrations_fails(make, skill):
     up = 0.11 * skill.scale
     moved = skill.mean_demonstration + np.array([0.0, up])
-    other = replace(skill, mean_demonstration=moved)
+    other = with_branch(skill, mean=moved)
     assert failed(make(up=up), other) == {"frechet_learned"}
 
 

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from bath_drake.composition.branch import Branch, nearest_branch
+from bath_drake.composition.chain import Chain
 from bath_drake.demonstrations.canonical import CanonicalFrame
 from bath_drake.field.navigation import NavigationField
 from bath_drake.notation import FloatArray
@@ -13,51 +16,96 @@ from bath_drake.notation import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Skill:
-    """A field, where it starts, and where both came from.
+    """Chains of fields, where they start, and where both came from.
 
     Attributes:
-        field: The navigation field, in N.
-        start: Mean start of the demonstrations, shape (2,), in N.
+        branches: One or more ways of doing the stroke, in N; of demonstrations that
+            go different ways each way has one.
         seed: Of the learner's random generator.
         config: The learner's configuration, plain values.
         demonstration_hashes: SHA-256 of every demonstration file, in order.
         canonical: The map between the demonstrations' coordinates and N.
-        mean_demonstration: The demonstrations' mean at equal shares of arc length,
-            shape (T, 2), in N: what the motion is compared with.
         scale: Longest side of the demonstrations' joint box, in N; Fréchet
             figures are divided by it.
         frechet: Figures as in `LearningResult.frechet`.
-        certificate: What was proved of the field, plain values (see
+        certificate: What was proved of it, plain values (see
             `bath_drake.certificate_file`).
+        finished: Whether the learner came to its end; False for the best it had when
+            it was interrupted.
 
     Raises:
-        ValueError: The start or the mean demonstration is not finite and of its
-            shape, or the scale is not positive.
+        ValueError: There is no branch, or the scale is not positive.
     """
 
-    field: NavigationField
-    start: FloatArray
+    branches: tuple[Branch, ...]
     seed: int
     config: dict[str, Any]
     demonstration_hashes: tuple[str, ...]
     canonical: CanonicalFrame
-    mean_demonstration: FloatArray
     scale: float
     frechet: dict[str, float] = dataclasses.field(default_factory=dict)
     certificate: dict[str, Any] = dataclasses.field(default_factory=dict)
+    finished: bool = True
 
     def __post_init__(self) -> None:
-        start = np.array(self.start, dtype=np.float64)
-        if start.shape != (2,) or not np.isfinite(start).all():
-            raise ValueError(f"start must be two finite numbers, got {self.start}")
-        start.setflags(write=False)
-        object.__setattr__(self, "start", start)
-        mean = np.array(self.mean_demonstration, dtype=np.float64)
-        if mean.ndim != 2 or mean.shape[1] != 2 or len(mean) < 2:
-            raise ValueError(f"mean_demonstration has shape {mean.shape}, not (T, 2)")
-        if not np.isfinite(mean).all():
-            raise ValueError("mean_demonstration must be finite")
-        mean.setflags(write=False)
-        object.__setattr__(self, "mean_demonstration", mean)
+        object.__setattr__(self, "branches", tuple(self.branches))
+        if not self.branches:
+            raise ValueError("a skill needs at least one branch, got none")
         if not (0.0 < self.scale < np.inf):
             raise ValueError(f"scale must be positive and finite, got {self.scale}")
+
+    @property
+    def chain(self) -> Chain:
+        """The first branch's, for its mean start."""
+        return self.branches[0].chain
+
+    @property
+    def chains(self) -> tuple[Chain, ...]:
+        """Each branch's, for its mean start."""
+        return tuple(branch.chain for branch in self.branches)
+
+    @property
+    def start(self) -> FloatArray:
+        """The first branch's mean start, shape (2,), in N."""
+        return self.branches[0].start
+
+    @property
+    def mean_demonstration(self) -> FloatArray:
+        """The first branch's at equal shares of arc length, shape (T, 2), in N."""
+        return self.branches[0].mean
+
+    @property
+    def obstacle_count(self) -> int:
+        """Virtual obstacles of all fields of all branches."""
+        return sum(branch.chain.obstacle_count for branch in self.branches)
+
+    @property
+    def is_single(self) -> bool:
+        """Whether one field is all there is."""
+        return len(self.branches) == 1 and len(self.chain) == 1
+
+    @property
+    def field(self) -> NavigationField:
+        """The field of a single skill.
+
+        Raises:
+            ValueError: The skill is composed.
+        """
+        if not self.is_single:
+            count = sum(len(branch.chain) for branch in self.branches)
+            raise ValueError(
+                f"a composed skill of {count} fields has no single field; see chain_for"
+            )
+        return self.chain.fields[0]
+
+    def branch_for(self, start: ArrayLike) -> Branch:
+        """The branch with the demonstration that starts nearest to ``start`` (2,)."""
+        return nearest_branch(self.branches, start)
+
+    def chain_for(self, start: ArrayLike, goal: ArrayLike | None = None) -> Chain:
+        """The chain for a start and a goal (2,), in N; the goal learned if None.
+
+        Raises:
+            ValueError: Start or goal are not two finite numbers.
+        """
+        return self.branch_for(start).chain_for(start, goal)
