@@ -195,6 +195,7 @@ def skill_from_result(
         canonical=frame,
         scale=result.scale,
         frechet=dict(result.frechet),
+        finished=result.finished,
     )
     return certified(skill, result.certificate)
 

@@ -1,4 +1,8 @@
-"""Independent pieces of work on all cores; kernels release the interpreter lock."""
+"""Independent pieces of work on all cores; kernels release the interpreter lock.
+
+How work is cut into pieces does not depend on the number of cores, so that no result
+does. BATH_DRAKE_WORKERS in the environment sets how many are used.
+"""
 
 import itertools
 import os
@@ -6,15 +10,28 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
+from bath_drake.errors import BathDrakeError
 from bath_drake.notation import FloatArray
+
+# Enough to keep eight cores evenly busy.
+_PIECES = 32
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
 def workers() -> int:
-    """Cores this process may use."""
-    return len(os.sched_getaffinity(0))
+    """How many pieces are worked on at a time: by default one a core.
+
+    Raises:
+        BathDrakeError: BATH_DRAKE_WORKERS is not a number from 1 on.
+    """
+    asked = os.environ.get("BATH_DRAKE_WORKERS", "")
+    if not asked:
+        return len(os.sched_getaffinity(0))
+    if not asked.isdecimal() or int(asked) < 1:
+        raise BathDrakeError(f"BATH_DRAKE_WORKERS: found {asked!r}, allowed: 1 or more")
+    return int(asked)
 
 
 def parallel_map(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
@@ -27,12 +44,12 @@ def parallel_map(work: Callable[[Item], Result], items: Iterable[Item]) -> list[
 
 
 def parts(count: int, least: int = 8) -> list[slice]:
-    """0..count in about four slices a core, none much shorter than ``least``."""
-    pieces = max(1, min(count // least, 4 * workers()))
+    """0..count in at most 32 even slices, none shorter than ``least`` but the only."""
+    pieces = max(1, min(count // least, _PIECES))
     ends = [count * i // pieces for i in range(pieces + 1)]
     return [slice(a, b) for a, b in itertools.pairwise(ends)]
 
 
 def split(xs: FloatArray, least: int = 8) -> list[FloatArray]:
-    """Members (n, P) in about four parts a core, none much smaller than ``least``."""
+    """Members (n, P) in the parts that `parts` cuts."""
     return [xs[part] for part in parts(len(xs), least)]

@@ -142,58 +142,10 @@ def test_bad_learning_input_is_refused_before_any_work(arc, tmp_path, capsys):
         ((arc, "-o", out, "--obstacles", "99"), "in 0..12, got 99"),
         ((arc, "-o", out, "--seed", "-1"), "--seed: found -1"),
         ((arc, "-o", out, "--method", "magic"), "invalid choice"),
-        ((arc, "-o", out, "--resume"), "s.yaml: cannot be read"),
         ((arc,), "-o"),
     ]:
         assert message in refused(capsys, "learn", *words)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.csv"]
-
-
-def test_learning_continues_from_the_skill_there_is(skill, arc, tmp_path, capsys):
-    path = tmp_path / "s.yaml"
-    path.write_bytes(skill.read_bytes())
-    words = ["learn", str(arc), "-o", str(path), "--quick", "--resume"]
-    assert main([*words, "--obstacles", "2", "--seed", "1"]) == 0
-    capsys.readouterr()
-    before, after = load_skill(skill), load_skill(path)
-
-    def cost(learned):
-        return learned.frechet["to_mean"] + learned.frechet["cost"]
-
-    assert cost(after) <= cost(before)
-    assert after.seed == 1
-    assert after.canonical == before.canonical
-    assert after.demonstration_hashes == before.demonstration_hashes
-
-
-def test_learning_continues_from_nothing_else(skill, arc, tmp_path, capsys):
-    path = tmp_path / "s.yaml"
-    path.write_bytes(skill.read_bytes())
-    learned = load_skill(skill)
-    frame = replace(learned.canonical, scales=2.0 * learned.canonical.scales)
-    moved = tmp_path / "moved.yaml"
-    save_skill(moved, replace(learned, canonical=frame))
-    foreign = tmp_path / "foreign.yaml"
-    save_skill(foreign, replace(learned, demonstration_hashes=("0" * 64,)))
-    wide = tmp_path / "wide.yaml"
-    save_skill(wide, with_field(learned, WORLD))
-    odd = tmp_path / "odd.yaml"
-    row = WORLD["obstacles"][0] | {"exponent": 2.0}
-    save_skill(odd, with_field(learned, WORLD | {"obstacles": [row]}))
-    damaged = tmp_path / "damaged.yaml"
-    damaged.write_text(skill.read_text().replace("seed: 0", "seed: 7"))
-    contents = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
-    for words, message in [
-        ((DEMONSTRATIONS[0], "-o", path), "s.yaml: demonstration_hashes: found 1"),
-        ((arc, "-o", foreign), "foreign.yaml: demonstration_hashes"),
-        ((arc, "-o", moved), "moved.yaml: canonical: found another map"),
-        ((arc, "-o", wide), "another workspace"),
-        ((arc, "-o", odd), "odd.yaml: field.obstacles: found exponents"),
-        ((arc, "-o", damaged), "checksum"),
-        ((arc, "-o", path, "--obstacles", "1"), "obstacles: found 2"),
-    ]:
-        assert message in refused(capsys, "learn", *words, "--resume", "--quick")
-    assert contents == {p.name: p.read_bytes() for p in tmp_path.iterdir()}
 
 
 def test_strokes_too_far_apart_once_their_ends_meet_are_refused(tmp_path, capsys):

@@ -23,13 +23,12 @@ def run(options: argparse.Namespace) -> int:
     make_run_folder(options.out)
     skill_path = options.out / "learned_skill.yaml"
     files = [str(find_demonstration(name)) for name in scenario.demonstrations]
+    words = [*files, "-o", str(skill_path), "--seed", str(scenario.random_seed)]
+    if learn.checkpoint_path(skill_path).exists():
+        words.append("--resume")  # the demo before was stopped while it learned
     parser = argparse.ArgumentParser()
     learn.add_arguments(parser)
-    learned = learn.run(
-        parser.parse_args(
-            [*files, "-o", str(skill_path), "--seed", str(scenario.random_seed)]
-        )
-    )
+    learned = learn.run(parser.parse_args(words))
     if learned != 0:
         return learned
     return run_and_report(options.out, scenario, load_skill(skill_path), live=False)

@@ -3,14 +3,13 @@
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bath_drake.demonstrations.canonical import (
         CanonicalDemonstration,
         CanonicalFrame,
     )
-    from bath_drake.field.navigation import NavigationField
     from bath_drake.learning.config import LearnerConfig
     from bath_drake.learning.learner import LearningResult
 
@@ -32,7 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, metavar="S")
     parser.add_argument(
-        "--resume", action="store_true", help="continue from the SKILL.yaml at -o"
+        "--resume",
+        action="store_true",
+        help="continue a run that was stopped or killed, from SKILL.checkpoint",
     )
     parser.add_argument(
         "--quick", action="store_true", help="a few seconds' effort, a worse fit"
@@ -42,12 +43,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Returns 0 if learning converged, 1 if not; the skill is written either way."""
     import sys
-    from dataclasses import replace
+    from dataclasses import asdict, replace
 
-    from tqdm import tqdm
-
+    from bath_drake import __version__
+    from bath_drake.commands._progress import progress_bar
+    from bath_drake.commands._signals import stopping
     from bath_drake.demonstrations.processing import canonical_demonstrations
     from bath_drake.demonstrations.recording import read_recording
+    from bath_drake.learning.checkpoint import Checkpoint
     from bath_drake.learning.learner import learn_skill
     from bath_drake.learning_report import write_learning_figure
     from bath_drake.skill_file import save_skill, skill_from_result
@@ -56,67 +59,94 @@ def run(options: argparse.Namespace) -> int:
     config = _config(options)
     recordings = [read_recording(path) for path in options.files]
     demonstrations, frame = canonical_demonstrations(recordings)
-    initial = None
-    if options.resume:
-        initial = _field_to_continue(options.output, demonstrations, frame, config)
+    hashes = [demonstration.sha256 for demonstration in demonstrations]
+    identity = _identity(asdict(config), hashes, frame)
+    kept = checkpoint_path(options.output)
+    if options.resume and not kept.exists() and options.output.exists():
+        code = _finished_before(options.output, identity)
+        if code is not None:
+            print(f"{options.output}: learned to its end already, nothing to resume")
+            return code
     # The learner's messages are to name the files.
     strokes = [
         replace(demonstration, name=str(recording.path))
         for demonstration, recording in zip(demonstrations, recordings, strict=True)
     ]
-    with tqdm(desc="learning", unit="step", disable=not sys.stderr.isatty()) as bar:
+    with (
+        Checkpoint(
+            kept, {"version": __version__, **identity}, resume=options.resume
+        ) as checkpoint,
+        progress_bar(desc="learning", unit="step") as bar,
+    ):
 
         def progress(done: int, total: int, cost: float) -> None:
             bar.total = total
-            bar.n = done
-            bar.set_postfix(C=f"{cost:.4f}")
+            bar.set_postfix(C=f"{cost:.4f}", refresh=False)
+            bar.update(done - bar.n)
 
-        result = learn_skill(strokes, config, progress, initial)
-    save_skill(options.output, skill_from_result(result, demonstrations, frame))
-    picture = options.output.with_suffix(".png")
-    write_learning_figure(picture, result, demonstrations)
+        with stopping(checkpoint.stop):
+            result = learn_skill(strokes, config, progress, checkpoint)
+        bar.close()
+        save_skill(options.output, skill_from_result(result, demonstrations, frame))
+        picture = options.output.with_suffix(".png")
+        write_learning_figure(picture, result, demonstrations)
+        if result.finished:
+            checkpoint.remove()
     print("\n".join(_table(result, demonstrations)))
     print(f"skill            {options.output}\nlearning curve   {picture}")
-    return 0 if result.converged else 1
+    if not result.finished:
+        print(
+            f"bath-drake learn: stopped; {options.output} is unfinished, the best so "
+            "far; the same command with --resume goes on",
+            file=sys.stderr,
+        )
+    return 0 if result.converged and result.finished else 1
 
 
-def _field_to_continue(
-    path: Path,
-    demonstrations: Sequence["CanonicalDemonstration"],
-    frame: "CanonicalFrame",
-    config: "LearnerConfig",
-) -> "NavigationField":
-    """The field of the skill at ``path``, if it was learned from the same data."""
+def checkpoint_path(output: Path) -> Path:
+    """Where the run that learns the skill ``output`` keeps what it has computed."""
+    return output.with_suffix(".checkpoint")
+
+
+def _identity(
+    config: dict[str, Any], hashes: Sequence[str], frame: "CanonicalFrame"
+) -> dict[str, Any]:
+    """What a learned skill depends on, as plain values."""
+    return {
+        "demonstration_hashes": list(hashes),
+        "canonical": {
+            "kind": frame.kind,
+            "origin": frame.origin.tolist(),
+            "axes": frame.axes.tolist(),
+            "scales": frame.scales.tolist(),
+        },
+        "config": config,
+    }
+
+
+def _finished_before(path: Path, identity: dict[str, Any]) -> int | None:
+    """The exit code of the skill at ``path``; None if it is unfinished itself.
+
+    Raises:
+        SkillFileError: The skill is not what this command would learn.
+    """
     from bath_drake.errors import SkillFileError
+    from bath_drake.learning.checkpoint import difference
+    from bath_drake.learning.learner import CONVERGED_FRECHET
     from bath_drake.skill_file import load_skill
 
     skill = load_skill(path)
-    found = sorted(skill.demonstration_hashes)
-    given = sorted(demonstration.sha256 for demonstration in demonstrations)
-    if found != given:
-        common = len(set(found) & set(given))
+    if not skill.finished:
+        return None
+    found = _identity(skill.config, skill.demonstration_hashes, skill.canonical)
+    differs = difference(found, identity)
+    if differs is not None:
         raise SkillFileError(
-            f"{path}: demonstration_hashes: found {len(found)} of which {common} are "
-            f"of the {len(given)} files given, --resume needs the same demonstrations"
+            f"{path}: {differs}, and there is no checkpoint to resume; "
+            "leave out --resume to replace the skill"
         )
-    if skill.canonical != frame:
-        raise SkillFileError(
-            f"{path}: canonical: found another map to canonical space than that of "
-            "the files given (a body box was changed, or the files' order), "
-            "--resume needs the same"
-        )
-    count = len(skill.field.obstacles)
-    if config.obstacles is not None and config.obstacles < count:
-        raise SkillFileError(
-            f"{path}: field.obstacles: found {count}, --resume with "
-            f"--obstacles {config.obstacles} allows at most that many"
-        )
-    if (skill.field.obstacles.powers != 1.0).any():
-        raise SkillFileError(
-            f"{path}: field.obstacles: found exponents other than 1, "
-            "the learner continues only from fields where all are 1"
-        )
-    return skill.field
+    proved = skill.certificate["verdict"] == "proved"
+    return 0 if proved and skill.frechet["to_mean"] <= CONVERGED_FRECHET else 1
 
 
 def _check_outputs(output: Path, files: Sequence[str]) -> None:
@@ -126,7 +156,7 @@ def _check_outputs(output: Path, files: Sequence[str]) -> None:
 
     if output.suffix not in (".yaml", ".yml"):
         raise BathDrakeError(f"-o: found {str(output)!r}, expected a name ending .yaml")
-    for path in (output, output.with_suffix(".png")):
+    for path in (output, output.with_suffix(".png"), checkpoint_path(output)):
         check_output(path)
     for file in files:
         if output.resolve() == Path(file).with_suffix(".yaml").resolve():
@@ -168,7 +198,8 @@ def _table(
 
     figures = result.frechet
     lines = [
-        f"converged        {'yes' if result.converged else 'NO'}",
+        f"converged        {'yes' if result.converged else 'NO'}"
+        f"{'' if result.finished else ', UNFINISHED'}",
         f"Frechet to mean  {figures['to_mean']:.4f} (at most {CONVERGED_FRECHET})",
         f"C                {figures['cost']:.4f} (spread of the demonstrations "
         f"{figures['floor']:.4f})",
@@ -176,6 +207,8 @@ def _table(
         f"verdict          {result.certificate.verdict}: {result.certificate.reason}",
         f"seconds          {result.seconds:.1f}",
     ]
+    if result.failures:
+        lines.append(f"failed members   {result.failures} (dropped)")
     for demonstration, distance in zip(
         demonstrations, result.per_demonstration, strict=True
     ):

@@ -175,7 +175,11 @@ class Checkpoint:
             self._pending = [_MAGIC, _record(json.dumps(identity).encode())]
             self.flush()
             return
-        _compare(json.loads(payloads[0]), identity, path)
+        differs = difference(json.loads(payloads[0]), identity)
+        if differs is not None:
+            raise CheckpointError(
+                f"{path}: {differs}; continue with what it was begun with, or delete it"
+            )
         self._known = {_decode(p)[0]: p for p in payloads[1:]}
 
 
@@ -244,21 +248,17 @@ def _split(data: bytes, path: Path) -> tuple[list[bytes], int]:
     return payloads, at
 
 
-def _compare(found: dict[str, Any], given: dict[str, Any], path: Path) -> None:
-    """Refuses the checkpoint of another run."""
+def difference(found: Mapping[str, Any], given: Mapping[str, Any]) -> str | None:
+    """Where two trees of plain values differ first, in words; None if nowhere."""
     for key in sorted(found.keys() | given.keys()):
         ours, theirs = found.get(key), given.get(key)
         if isinstance(ours, dict) and isinstance(theirs, dict):
-            _compare(
-                {f"{key}.{k}": v for k, v in ours.items()},
-                {f"{key}.{k}": v for k, v in theirs.items()},
-                path,
-            )
+            inner = difference(ours, theirs)
+            if inner is not None:
+                return f"{key}.{inner}"
         elif ours != theirs:
-            raise CheckpointError(
-                f"{path}: {key}: found {_short(ours)}, this run has {_short(theirs)}; "
-                "continue with what it was begun with, or delete it"
-            )
+            return f"{key}: found {_short(ours)}, this run has {_short(theirs)}"
+    return None
 
 
 def _short(value: Any) -> str:

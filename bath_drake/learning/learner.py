@@ -8,15 +8,16 @@ import numpy as np
 
 from bath_drake.certificate.certify import certify
 from bath_drake.certificate.result import Certificate
-from bath_drake.errors import BathDrakeError, DemonstrationError
+from bath_drake.errors import DemonstrationError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
 from bath_drake.field.rollout import Rollout, RolloutStatus, rollout
 from bath_drake.learning import genome, search
+from bath_drake.learning.checkpoint import Checkpoint, Stopped
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.learning.seeding import MAX_OBSTACLES, obstacle_counts
+from bath_drake.learning.seeding import obstacle_counts
 from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes
 from bath_drake.notation import FloatArray
 
@@ -48,6 +49,8 @@ class LearningResult:
         certificate: Whether all free space is proved free of traps.
         converged: Whether every roll-out arrives, which puts every start in free
             space, the field is proved and 'to_mean' is at most 0.10.
+        finished: Whether learning came to its end, not stopped before.
+        failures: Members that were dropped because they had no finite cost.
         seconds: Time taken.
         config: What was asked for.
     """
@@ -63,6 +66,8 @@ class LearningResult:
     mean_demonstration: FloatArray
     certificate: Certificate
     converged: bool
+    finished: bool
+    failures: int
     seconds: float
     config: LearnerConfig
 
@@ -94,22 +99,20 @@ def learn_skill(
     demonstrations: Sequence[Stroke],
     config: LearnerConfig | None = None,
     progress: Progress | None = None,
-    initial: NavigationField | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> LearningResult:
     """Finds virtual obstacles whose flow reproduces the demonstrations.
 
     The same demonstrations, configuration and seed give the same field, bit by bit,
-    on one machine.
+    on one machine: on any number of its cores, and whether learning was interrupted
+    and continued from its checkpoint or not.
 
     Args:
         demonstrations: Canonical strokes (see `strokes.Stroke`), one or more.
         config: Effort and method.
         progress: Told of every step.
-        initial: A field learned from these demonstrations before. The search takes
-            it for one of its members, and the result never ranks behind it: an
-            invalid field never follows a valid one, and among equals the Fréchet
-            distances, with 0.0005 for an obstacle, never grow. Where
-            ``config.obstacles`` is larger than its number, obstacles are added.
+        checkpoint: Keeps what has been computed; its `stop` ends learning with the
+            best field so far.
 
     Returns:
         The best field found. A stroke that one field cannot hold, such as one that
@@ -117,8 +120,7 @@ def learn_skill(
 
     Raises:
         DemonstrationError: A stroke cannot be used, or leaves the workspace.
-        BathDrakeError: ``initial`` is no field of these demonstrations and this
-            configuration.
+        CheckpointError: The checkpoint cannot be written.
     """
     begin = time.perf_counter()
     config = config or LearnerConfig()
@@ -126,25 +128,30 @@ def learn_skill(
     radius = config.workspace_radius
     workspace = Workspace(np.zeros(2), np.array([radius, radius]))
     _check_reach(demonstrations, strokes, workspace)
-    if initial is not None:
-        _check_initial(initial, strokes, workspace, config)
     problem = LearningProblem(strokes, workspace, config.margins)
-    counts = _counts(strokes, config, initial)
-    journal = search.Journal(len(counts), strokes.scale, progress)
-    rng = np.random.default_rng(config.seed)
+    counts = _counts(strokes, config)
+    journal = search.Journal(
+        len(counts), strokes.scale, progress, checkpoint or Checkpoint()
+    )
     best: _Judged | None = None
-    if initial is not None:
-        best = _judge(initial, strokes)
-        journal.resume(problem, genome.encode(initial))
-    for count in counts:
-        for field in search.candidates(problem, count, config, rng, journal):
-            judged = _judge(field, strokes)
-            if best is None or judged.rank < best.rank:
-                best = judged
-        if best is not None and best.valid and best.to_mean <= config.target:
-            break
-    assert best is not None  # counts and candidates are never empty
-    journal.finish()
+    finished = True
+    try:
+        for count in counts:
+            for field in search.candidates(problem, count, config, journal):
+                judged = _judge(field, strokes)
+                if best is None or judged.rank < best.rank:
+                    best = judged
+            if best is not None and best.valid and best.to_mean <= config.target:
+                break
+        journal.finish()
+    except Stopped:
+        finished = False
+    if best is None or not finished:
+        # The straight way to the goal, where there is nothing better yet.
+        x = np.array([0.7]) if journal.best is None else journal.best
+        judged = _judge(genome.decode(x, workspace, strokes.goal), strokes)
+        if best is None or judged.rank < best.rank:
+            best = judged
     return LearningResult(
         field=best.field,
         start=strokes.points[:, 0].mean(axis=0),
@@ -162,6 +169,8 @@ def learn_skill(
         mean_demonstration=strokes.mean,
         certificate=best.certificate,
         converged=best.valid and best.to_mean <= CONVERGED_FRECHET,
+        finished=finished,
+        failures=journal.failures,
         seconds=time.perf_counter() - begin,
         config=config,
     )
@@ -181,33 +190,7 @@ def _check_reach(
             )
 
 
-def _check_initial(
-    initial: NavigationField,
-    strokes: StrokeSet,
-    workspace: Workspace,
-    config: LearnerConfig,
-) -> None:
-    """Refuses a field to continue that belongs to another problem."""
-    if initial.workspace != workspace:
-        raise BathDrakeError("the initial field has another workspace")
-    # The goal is computed from the demonstrations: alike up to rounding.
-    if not np.allclose(initial.goal, strokes.goal, rtol=0.0, atol=1e-9):
-        raise BathDrakeError(
-            f"the initial field has the goal {initial.goal.tolist()}, "
-            f"the demonstrations end at {strokes.goal.tolist()}"
-        )
-    count = len(initial.obstacles)
-    if count > (MAX_OBSTACLES if config.obstacles is None else config.obstacles):
-        raise BathDrakeError(
-            f"the initial field has {count} obstacles, more than are to be learned"
-        )
-    if (initial.obstacles.powers != 1.0).any():
-        raise BathDrakeError("the initial field has exponents other than one")
-
-
-def _counts(
-    strokes: StrokeSet, config: LearnerConfig, initial: NavigationField | None
-) -> tuple[int, ...]:
+def _counts(strokes: StrokeSet, config: LearnerConfig) -> tuple[int, ...]:
     """Numbers of obstacles to try, in turn."""
     if config.obstacles is not None:
         return (config.obstacles,)
@@ -215,11 +198,7 @@ def _counts(
     if config.method == "paper":
         # The paper fixes the number beforehand: two more than the bends.
         counts = (counts[min(2, len(counts) - 1)],)
-    if initial is None:
-        return counts
-    # What has been learned is worth more than a guess of the number.
-    known = len(initial.obstacles)
-    return (known, *(c for c in counts if c > known))
+    return counts
 
 
 def _judge(field: NavigationField, strokes: StrokeSet) -> _Judged:

@@ -8,9 +8,11 @@ import numpy as np
 from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.learning import genome, shooting
+from bath_drake.learning.checkpoint import Arrays, Checkpoint
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.descent import descend
+from bath_drake.learning.failures import FAILURES, costs_of
 from bath_drake.learning.genetic import GeneticSettings, evolve
 from bath_drake.learning.seeding import grow, seed_population
 from bath_drake.notation import FloatArray
@@ -22,39 +24,63 @@ _REPAIRS = 2
 
 @dataclass(eq=False)
 class Journal:
-    """Keeps the learning curve and tells progress.
+    """Keeps the learning curve and the best member, and tells progress.
 
     Attributes:
         rounds: How many obstacle counts may be tried.
         scale: What costs are divided by.
         progress: Called with steps done, steps in all and the best cost.
+        checkpoint: Keeps what steps gave.
         history: (members evaluated, best C over the scale), ever better.
+        evaluations: How many members were evaluated.
+        failures: How many of them had no finite cost.
         learned: Finished members of the last count, for the next to start from.
+        best: The member of the lowest cost with its penalties, (P,), if there is any.
     """
 
     rounds: int
     scale: float
     progress: Callable[[int, int, float], None] | None
+    checkpoint: Checkpoint = field(default_factory=Checkpoint)
     history: list[tuple[int, float]] = field(default_factory=list)
     evaluations: int = 0
+    failures: int = 0
     learned: list[FloatArray] = field(default_factory=list)
+    best: FloatArray | None = None
+    _least: float = np.inf
     _done: int = 0
     _total: int = 0
-
-    def resume(self, problem: LearningProblem, x: FloatArray) -> None:
-        """Enters what is learned already; the first round then starts from it."""
-        self.learned = [x]
-        self.evaluations += 1
-        self.note(problem, x)
 
     def plan(self, steps: int) -> None:
         """Announces how many steps a round takes."""
         self._total = self._done + steps * self.rounds
         self.rounds -= 1
 
+    def step(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
+        """As `Checkpoint.step`; what the step evaluates is counted either way."""
+        before = np.array([self.evaluations, self.failures])
+
+        def counted() -> Arrays:
+            arrays = compute()
+            now = np.array([self.evaluations, self.failures])
+            return {**arrays, "counted": now - before}
+
+        arrays = self.checkpoint.step(key, counted)
+        self.evaluations, self.failures = map(int, before + arrays.pop("counted"))
+        return arrays
+
+    def count(self, costs: FloatArray) -> FloatArray:
+        """Counts members evaluated, by their costs (n,), which it returns."""
+        self.evaluations += len(costs)
+        self.failures += int((~np.isfinite(costs)).sum())
+        return costs
+
     def note(self, problem: LearningProblem, x: FloatArray) -> float:
         """Enters the best member of a step; returns its C over the scale."""
-        cost = float(problem.evaluate(x[None]).demonstration_cost[0]) / self.scale
+        costs = problem.evaluate(x[None])
+        cost = float(costs.demonstration_cost[0]) / self.scale
+        if costs.total[0] < self._least:
+            self.best, self._least = x, float(costs.total[0])
         best = min(cost, self.history[-1][1]) if self.history else cost
         self.history.append((self.evaluations, best))
         self._done += 1
@@ -72,18 +98,27 @@ class Journal:
 
 
 def candidates(
-    problem: LearningProblem,
-    count: int,
-    config: LearnerConfig,
-    rng: np.random.Generator,
-    journal: Journal,
+    problem: LearningProblem, count: int, config: LearnerConfig, journal: Journal
 ) -> list[NavigationField]:
-    """Learned fields of ``count`` obstacles, at least one, for a judge to rank."""
-    if config.method == "paper":
-        xs = _search_paper(problem, count, config, rng, journal)
-    else:
-        xs = _search_auto(problem, count, config, rng, journal)
+    """Learned fields of ``count`` obstacles for a judge to rank, usually some."""
+    search = _search_paper if config.method == "paper" else _search_auto
+    xs = search(problem, count, config, journal)
     return [genome.decode(x, problem.workspace, problem.strokes.goal) for x in xs]
+
+
+def _first(
+    problem: LearningProblem, count: int, config: LearnerConfig, journal: Journal
+) -> FloatArray:
+    """Members (n, P) among which the first population is chosen."""
+
+    def seeds() -> Arrays:
+        rng = np.random.default_rng([config.seed, count])
+        new = seed_population(problem, count, config.seeds, rng)
+        each = config.seeds // 8
+        known = [grow(x, count, each, problem, rng) for x in journal.learned]
+        return {"xs": np.concatenate([*known, new])}
+
+    return journal.step(f"{count}: seeds", seeds)["xs"]
 
 
 def _settings(config: LearnerConfig, size: int, length: int) -> GeneticSettings:
@@ -97,7 +132,6 @@ def _search_paper(
     problem: LearningProblem,
     count: int,
     config: LearnerConfig,
-    rng: np.random.Generator,
     journal: Journal,
 ) -> list[FloatArray]:
     """Genetic search with descent on C of whole roll-outs, and its penalties."""
@@ -106,8 +140,7 @@ def _search_paper(
     scale = genome.scales(count)
 
     def cost(xs: FloatArray) -> FloatArray:
-        journal.evaluations += len(xs)
-        return problem.evaluate(xs).total
+        return journal.count(costs_of(lambda xs: problem.evaluate(xs).total, xs))
 
     def clip(xs: FloatArray) -> FloatArray:
         return genome.clip(xs, problem.workspace)
@@ -115,30 +148,33 @@ def _search_paper(
     def improve(xs: FloatArray) -> tuple[FloatArray, FloatArray]:
         return descend(cost, xs, scale, iterations=1, omega=0.05, clip=clip)
 
-    xs = seed_population(problem, count, config.seeds, rng)
-    known = [grow(x, count, config.seeds // 8, problem, rng) for x in journal.learned]
-    xs = np.concatenate([*known, xs])
+    xs = _first(problem, count, config, journal)
     journal.note(problem, xs[0])
     xs, _ = evolve(
         cost,
         xs,
         settings,
-        rng,
+        [config.seed, count],
         immigrants=lambda n, r: seed_population(problem, count, n, r),
         clip=clip,
         improve=improve,
         report=lambda x: journal.note(problem, x) <= 0.0,
+        step=lambda key, compute: journal.step(f"{count}: {key}", compute),
     )
-    xs, costs = descend(cost, xs[:_FINALISTS], scale, iterations=25, clip=clip)
-    journal.note(problem, xs[int(np.argmin(costs))])
-    return list(xs)
+
+    def finish() -> Arrays:
+        found = descend(cost, xs[:_FINALISTS], scale, iterations=25, clip=clip)
+        return dict(zip(("xs", "costs"), found, strict=True))
+
+    done = journal.step(f"{count}: finish", finish)
+    journal.note(problem, done["xs"][int(np.argmin(done["costs"]))])
+    return list(done["xs"])
 
 
 def _search_auto(
     problem: LearningProblem,
     count: int,
     config: LearnerConfig,
-    rng: np.random.Generator,
     journal: Journal,
 ) -> list[FloatArray]:
     """Genetic search whose local descent is multiple shooting on growing windows."""
@@ -149,54 +185,66 @@ def _search_auto(
     windows += shooting.whole_strokes(coarse, 0.4)
 
     def cost(xs: FloatArray) -> FloatArray:
-        journal.evaluations += len(xs)
-        # Light hinges: a seed that overlaps a little is easily mended.
-        parts = parallel_map(
-            lambda part: shooting.shooting_cost(part, problem, windows, 2.0, 2.0),
-            split(xs),
-        )
-        return np.concatenate(parts)
+        def one(part: FloatArray) -> FloatArray:
+            # Light hinges: a seed that overlaps a little is easily mended.
+            return shooting.shooting_cost(part, problem, windows, 2.0, 2.0)
+
+        parts = parallel_map(lambda part: costs_of(one, part), split(xs))
+        return journal.count(np.concatenate(parts))
+
+    def fit(x: FloatArray) -> tuple[FloatArray, float, int]:
+        try:
+            return shooting.fit(x, problem, windows, mu=20.0, iterations=10)
+        except FAILURES:
+            return x, np.inf, 1
 
     def improve(xs: FloatArray) -> tuple[FloatArray, FloatArray]:
-        fits = parallel_map(
-            lambda x: shooting.fit(x, problem, windows, mu=20.0, iterations=10), xs
-        )
-        journal.evaluations += sum(n for _, _, n in fits)
-        return np.array([x for x, _, _ in fits]), np.array([c for _, c, _ in fits])
+        fits = parallel_map(fit, xs)
+        costs = journal.count(np.array([c for _, c, _ in fits]))
+        journal.evaluations += sum(n - 1 for _, _, n in fits)
+        return np.array([x for x, _, _ in fits]), costs
+
+    def step(key: str, compute: Callable[[], Arrays]) -> Arrays:
+        return journal.step(f"{count}: {key}", compute)
 
     if count == 0:
         journal.plan(1)
-        xs, costs = improve(np.array([[0.7], *journal.learned]))
-        journal.learned = [xs[int(np.argmin(costs))]]
-        journal.note(problem, journal.learned[0])
+        xs = step("fit", lambda: {"xs": improve(np.array([[0.7]]))[0]})["xs"]
+        journal.learned = [xs[0]]
+        journal.note(problem, xs[0])
         return list(xs)
     journal.plan(settings.generations + 2)
     # C cannot fall much below the demonstrations' own spread, and finishing lowers it.
     enough = config.target + 0.5 * problem.strokes.floor
-    xs = seed_population(problem, count, config.seeds, rng)
-    known = [grow(x, count, config.seeds // 8, problem, rng) for x in journal.learned]
-    xs = np.concatenate([*known, xs])
+    xs = _first(problem, count, config, journal)
     journal.note(problem, xs[0])
     xs, costs = evolve(
         cost,
         xs,
         settings,
-        rng,
+        [config.seed, count],
         immigrants=lambda n, r: seed_population(problem, count, n, r),
         clip=lambda xs: genome.clip(xs, problem.workspace),
         improve=improve,
         report=lambda x: journal.note(problem, x) <= enough,
+        step=step,
     )
     finalists = _distinct(xs, costs)
-    # A member of this size that is learned already is finished once more.
-    finalists += [x for x in journal.learned if genome.obstacle_count(x) == count]
-    finished = parallel_map(lambda x: _finish(x, problem), finalists)
-    journal.evaluations += sum(n for _, n in finished)
-    done = [x for x, _ in finished]
-    totals = problem.evaluate(np.array(done)).total
+    if not finalists:
+        return []  # no member could be evaluated
+    finished = parallel_map(
+        lambda k: journal.checkpoint.step(
+            f"{count}: finish {k}", lambda: _finish(finalists[k], problem)
+        ),
+        range(len(finalists)),
+    )
+    journal.evaluations += sum(int(f["evaluations"]) for f in finished)
+    journal.failures += sum(int(f["failures"]) for f in finished)
+    done = np.array([f["x"] for f in finished])
+    totals = problem.evaluate(done).total
     journal.note(problem, done[int(np.argmin(totals))])
     journal.learned = [done[i] for i in np.argsort(totals, kind="stable")[:2]]
-    return done
+    return list(done)
 
 
 def _distinct(xs: FloatArray, costs: FloatArray) -> list[FloatArray]:
@@ -209,17 +257,21 @@ def _distinct(xs: FloatArray, costs: FloatArray) -> list[FloatArray]:
     return [xs[i] for i in kept[:_FINALISTS]]
 
 
-def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
+def _finish(x: FloatArray, problem: LearningProblem) -> Arrays:
     """Fine windows, then nearly the Fréchet distance; mends what is not proved."""
     strokes = problem.strokes.points
     windows = shooting.whole_strokes(strokes, 0.8)
     windows += shooting.cut_windows(strokes, 10, 5, 0.2)
-    evaluations = 0
+    evaluations = failures = 0
     for attempt in range(_REPAIRS + 1):
-        # A mean of sixth powers is ruled by the greatest distance, as Fréchet is.
-        for power, mu in ((2.0, 100.0), (6.0, 400.0)):
-            x, _, n = shooting.fit(x, problem, windows, power=power, mu=mu)
-            evaluations += n
+        try:
+            # A mean of sixth powers is ruled by the greatest distance, as Fréchet is.
+            for power, mu in ((2.0, 100.0), (6.0, 400.0)):
+                x, _, n = shooting.fit(x, problem, windows, power=power, mu=mu)
+                evaluations += n
+        except FAILURES:
+            failures += 1
+            break
         found = genome.decode(x, problem.workspace, problem.strokes.goal)
         if attempt == _REPAIRS or _sound(found, strokes[:, 0]):
             break
@@ -232,7 +284,8 @@ def _finish(x: FloatArray, problem: LearningProblem) -> tuple[FloatArray, int]:
             curvature=m.curvature + 0.1,
         )
         problem = replace(problem, margins=wider)
-    return x, evaluations
+    counts = {"evaluations": np.array(evaluations), "failures": np.array(failures)}
+    return {"x": x, **counts}
 
 
 def _sound(found: NavigationField, starts: FloatArray) -> bool:

@@ -85,7 +85,7 @@ def test_the_genetic_algorithm_carries_it_across() -> None:
         problem.cost,
         first,
         settings,
-        np.random.default_rng(0),
+        [0],
         immigrants=immigrants,
         clip=problem.clip,
         improve=lambda xs: descend(
@@ -128,7 +128,7 @@ def test_evolution_keeps_its_best_and_repeats_itself_with_its_seed() -> None:
             bowl,
             rng.normal(size=(20, 11)),
             GeneticSettings(population=20, generations=15),
-            rng,
+            [4],
             immigrants=lambda n, r: r.normal(size=(n, 11)),
             clip=lambda xs: xs,
             report=report,
@@ -141,6 +141,53 @@ def test_evolution_keeps_its_best_and_repeats_itself_with_its_seed() -> None:
     assert len(curve) == 15
     assert (np.diff(curve) <= 0.0).all()
     assert curve[-1] < 0.5 * curve[0]
+
+
+def test_members_that_cannot_be_evaluated_cost_nothing_else() -> None:
+    settings = GeneticSettings(population=20, generations=10)
+    first = np.random.default_rng(1).normal(size=(30, 6))
+
+    def breed(hole: float) -> tuple[FloatArray, FloatArray]:
+        def cost(xs: FloatArray) -> FloatArray:
+            return np.where(xs[:, 0] > hole, np.nan, (xs**2).sum(axis=1))
+
+        return evolve(
+            cost,
+            first,
+            settings,
+            [2],
+            immigrants=lambda n, r: r.normal(size=(n, 6)),
+            clip=lambda xs: xs,
+        )
+
+    xs, costs = breed(0.2)
+    assert np.isfinite(costs).all()
+    assert (xs[:, 0] <= 0.2).all()
+    assert costs[0] < 0.5 * (first[first[:, 0] <= 0.2] ** 2).sum(axis=1).min()
+    xs, costs = breed(-np.inf)
+    assert xs.shape == (0, 6)
+    assert costs.shape == (0,)
+
+
+def test_an_elite_whose_descent_fails_stays_what_it_was() -> None:
+    first = np.linspace(1.0, 2.0, 10)[:, None] * np.ones(6)
+    calls = []
+
+    def improve(xs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        calls.append(len(xs))
+        costs = (xs**2).sum(axis=1)
+        return xs, costs if len(calls) == 1 else np.full(len(xs), np.inf)
+
+    xs, _ = evolve(
+        lambda xs: (xs**2).sum(axis=1),
+        first,
+        GeneticSettings(population=8, generations=3, elite=2),
+        [2],
+        immigrants=lambda n, r: r.normal(size=(n, 6)),
+        clip=lambda xs: xs,
+        improve=improve,
+    )
+    np.testing.assert_array_equal(xs, first[:2])
 
 
 def test_a_child_of_twins_is_their_copy_whatever_the_order_of_obstacles() -> None:

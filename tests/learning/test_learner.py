@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from bath_drake.certificate.certify import certify
-from bath_drake.errors import BathDrakeError, DemonstrationError
+from bath_drake.errors import DemonstrationError
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.learning import learner, shooting
-from bath_drake.learning.config import LearnerConfig, Method
+from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem, ValidityMargins
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.learner import LearningResult, learn_skill
@@ -108,61 +108,6 @@ def test_a_stroke_outside_the_workspace_is_refused(make_strokes: MakeStrokes) ->
     config = LearnerConfig(workspace_radius=0.5)
     with pytest.raises(DemonstrationError, match=r"J 0: .* reaches .* allowed: 0\.487"):
         learn_skill(make_strokes("J", 0), config)
-
-
-def test_continuing_never_loses_what_was_learned(make_strokes: MakeStrokes) -> None:
-    strokes = make_strokes("J", 0)
-    config = LearnerConfig.quick(seed=1)
-    result = learn_skill(strokes, config)
-    for seed in (1, 2):
-        before = result
-        again = replace(config, seed=seed, generations=1, population=4, seeds=20)
-        result = learn_skill(strokes, again, initial=before.field)
-        _check_consistency(result)
-        assert rank(result) <= rank(before)
-        # The search's roll-outs make steps of 0.02, the judge's of 0.01.
-        first = result.cost_history[0][1]
-        assert first == pytest.approx(before.frechet["cost"], abs=0.02)
-        assert len(result.field.obstacles) >= len(before.field.obstacles)
-    assert learn_skill(strokes, again, initial=before.field).field == result.field
-
-
-def rank(result: LearningResult) -> tuple[bool, float]:
-    """What the learner's documentation says never grows when it continues."""
-    valid = result.certificate.passed and result.rollout.status is RolloutStatus.ARRIVED
-    cost = result.frechet["to_mean"] + result.frechet["cost"]
-    return not valid, cost + 0.001 * len(result.field.obstacles)
-
-
-@pytest.mark.parametrize("method", ["auto", "paper"])
-def test_continuing_with_more_obstacles_starts_from_those_there_are(
-    make_strokes: MakeStrokes, method: Method
-) -> None:
-    strokes = make_strokes("wide arc", 0)
-    config = replace(LearnerConfig.quick(method=method), generations=0)
-    few = learn_skill(strokes, replace(config, obstacles=1))
-    more = learn_skill(strokes, replace(config, obstacles=3), initial=few.field)
-    assert len(more.field.obstacles) in (1, 3)
-    assert rank(more) <= rank(few)
-
-
-def test_a_foreign_field_is_not_continued(make_strokes: MakeStrokes) -> None:
-    strokes = make_strokes("line", 0)
-    config = replace(LearnerConfig.quick(), obstacles=0)
-    field = learn_skill(strokes, config).field
-    rows = np.array([[0.0, 1.0, 0.1, 0.1, 0.0]])
-    one = field.with_obstacles(ObstacleSet(rows))
-    odd = field.with_obstacles(ObstacleSet(rows, np.array([2.0])))
-    wide = replace(field, workspace=Workspace(np.zeros(2), np.array([3.0, 3.0])))
-    for foreign, message in [
-        (wide, "workspace"),
-        (field.with_goal(np.zeros(2)), "goal"),
-        (one, "1 obstacles, more than"),
-    ]:
-        with pytest.raises(BathDrakeError, match=message):
-            learn_skill(strokes, config, initial=foreign)
-    with pytest.raises(BathDrakeError, match="exponent"):
-        learn_skill(strokes, LearnerConfig.quick(), initial=odd)
 
 
 def test_a_closed_stroke_ends_honestly(make_strokes: MakeStrokes) -> None:
