@@ -53,6 +53,7 @@ def certify(
     field: NavigationField,
     *,
     starts: ArrayLike | None = None,
+    level: float | None = None,
     uncertainty: Uncertainty | None = None,
     budget: int = BUDGET,
     resolution: float = RESOLUTION,
@@ -65,6 +66,7 @@ def certify(
             their components of {psi <= c}, with c the greatest psi of them.
             'refuted' then means that the set holds a minimum and that no wall of
             greater psi was found between it and the starts.
+        level: With starts: c, if it is to be greater than their own greatest psi.
         uncertainty: If given, a proof or a refutation holds for every realisation.
         budget: How many boxes are looked at, > 0.
         resolution: Width at which boxes are left open, as a share of the
@@ -78,10 +80,12 @@ def certify(
         raise ValueError(f"budget must be at least 1, got {budget}")
     if not 0.0 < resolution < 1.0:
         raise ValueError(f"resolution must be between 0 and 1, got {resolution}")
+    if level is not None and (starts is None or not np.isfinite(level)):
+        raise ValueError(f"level must be finite and come with starts, got {level}")
     given = None if starts is None else _rows(starts)
-    found = _settle(field, uncertainty, given, budget, resolution)
+    found = _settle(field, uncertainty, given, level, budget, resolution)
     if found.verdict == "undecided" and uncertainty is not None:
-        nominal = _settle(field, None, given, budget, resolution).verdict
+        nominal = _settle(field, None, given, level, budget, resolution).verdict
         if nominal != "undecided":
             found = _blame_uncertainty(found, nominal)
     return replace(found, seconds=time.perf_counter() - begin)
@@ -126,6 +130,7 @@ def _settle(
     field: NavigationField,
     uncertainty: Uncertainty | None,
     starts: FloatArray | None,
+    at_least: float | None,
     budget: int,
     resolution: float,
 ) -> Certificate:
@@ -134,6 +139,8 @@ def _settle(
         return found
     world = interval_world(field, uncertainty)
     level = WHOLE if starts is None else level_of(world, starts)
+    if at_least is not None:
+        level = max(level[0], at_least), max(level[1], at_least)
     width = resolution * float(field.workspace.semi_axes.max())
     roots, left, unsettled, boxes = subdivide(world, level, width, budget)
     apart = False

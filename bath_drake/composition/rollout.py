@@ -11,6 +11,7 @@ from bath_drake.field.rollout import Rollout, RolloutStatus, check_rollout, path
 from bath_drake.notation import FloatArray, IntArray
 
 _NO_GATE = np.zeros(5)
+_NEVER = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,7 @@ def chain_rollout(
         chain: The fields and gates.
         step: Arc length of a step, units of N.
         max_steps: How many steps at most, all stages together.
-        goal_tolerance: Distance to a field's goal that counts as arrived.
+        goal_tolerance: Distance to the last goal that counts as arrived.
 
     Returns:
         The path; where it ends before the last goal, the status is that of the field
@@ -59,7 +60,10 @@ def chain_rollout(
     status = RolloutStatus.OUT_OF_STEPS
     for k, field in enumerate(chain.fields):
         workspace, gx, gy, kappa, forms = field.kernel_arguments
-        gate = chain.gates[k].as_array() if k < len(chain.gates) else _NO_GATE
+        gate, tolerance = _NO_GATE, goal_tolerance
+        if k < len(chain.gates):
+            # To be near a goal that is not the last is no arrival: the gate counts.
+            gate, tolerance = chain.gates[k].as_array(), _NEVER
         x, y = path[done].tolist()
         count, code, least, way = _rollouts.roll_out(
             x,
@@ -70,7 +74,7 @@ def chain_rollout(
             kappa,
             forms,
             step,
-            goal_tolerance,
+            tolerance,
             gate,
             path[done:],
         )
@@ -79,6 +83,8 @@ def chain_rollout(
         clear, length = min(clear, least), length + way
         if code != _rollouts.PASSED:
             status = RolloutStatus(code)
+            if status is RolloutStatus.ARRIVED and k < len(chain.gates):
+                status = RolloutStatus.TRAPPED  # on the goal, beside its gate
             break
     return ChainRollout(
         path[: done + 1].copy(), status, clear, length, stages[: done + 1].copy()
@@ -115,7 +121,7 @@ def chain_times(
             field,
             speed=speed,
             half_extents=half_extents,
-            slow_radius=slow_radius if last else np.finfo(float).tiny,
+            slow_radius=slow_radius if last else _NEVER,
             goal_tolerance=goal_tolerance,
         )
     return times
