@@ -343,6 +343,9 @@ def write_atomically(
         else:
             data = content.encode() if isinstance(content, str) else content
             Path(temporary).write_bytes(data)
+        # Renamed before its content is on disk, it could be empty after a power cut.
+        with open(temporary, "rb") as file:
+            os.fsync(file.fileno())
         # mkstemp makes files for the owner alone; give what `open` would have.
         os.umask(mask := os.umask(0))
         os.chmod(temporary, 0o666 & ~mask)

@@ -161,7 +161,7 @@ def test_strokes_too_far_apart_once_their_ends_meet_are_refused(tmp_path, capsys
     message = refused(capsys, "learn", *files, "-o", out)
     assert "up.csv: with its end on the common goal the stroke reaches 2.26" in message
     assert "allowed: 1.95" in message
-    assert not out.exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["down.csv", "up.csv"]
 
 
 def test_a_skill_is_reproduced_from_its_start_to_its_goal(skill, tmp_path, capsys):

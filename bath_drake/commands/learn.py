@@ -42,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Returns 0 if learning converged, 1 if not; the skill is written either way."""
+    import os
     import sys
     from dataclasses import asdict, replace
 
@@ -84,7 +85,12 @@ def run(options: argparse.Namespace) -> int:
             bar.set_postfix(C=f"{cost:.4f}", refresh=False)
             bar.update(done - bar.n)
 
-        with stopping(checkpoint.stop):
+        def stop() -> None:
+            checkpoint.stop()
+            if sys.stderr.isatty():  # unbuffered: the handler may interrupt a print
+                os.write(2, b"\nstopping after this step; Ctrl-C again ends at once\n")
+
+        with stopping(stop):
             result = learn_skill(strokes, config, progress, checkpoint)
         bar.close()
         save_skill(options.output, skill_from_result(result, demonstrations, frame))

@@ -12,7 +12,6 @@ import hashlib
 import io
 import json
 import os
-import stat
 import struct
 import threading
 import time
@@ -62,9 +61,9 @@ class Checkpoint:
             resume: Whether a file that is there may be continued.
 
         Raises:
-            CheckpointError: The file is there and ``resume`` is not set, is in use, is
-                no checkpoint, is damaged, belongs to another ``identity``, or cannot
-                be read or made.
+            CheckpointError: The file holds steps and ``resume`` is not set, is in use,
+                is no checkpoint, is damaged, belongs to another ``identity``, or
+                cannot be read or made.
         """
         self._path = path
         self._known: dict[str, bytes] = {}
@@ -75,9 +74,9 @@ class Checkpoint:
         self._end = 0
         self._written = time.monotonic()
         if path is not None:
-            self._file = _open_locked(path, resume)
+            self._file = _open_locked(path)
             try:
-                self._load(path, json.loads(json.dumps(dict(identity or {}))))
+                self._load(path, json.loads(json.dumps(dict(identity or {}))), resume)
             except BaseException:
                 os.close(self._file)
                 raise
@@ -133,9 +132,12 @@ class Checkpoint:
             self._written = time.monotonic()
 
     def close(self) -> None:
-        """Puts everything on disk and lets go of the file."""
+        """Puts everything on disk and lets go of the file; without steps it goes."""
         try:
-            self.flush()
+            if self._known:
+                self.flush()
+            elif self._path is not None and self._file >= 0:
+                self._path.unlink(missing_ok=True)
         finally:
             if self._file >= 0:
                 os.close(self._file)  # and with it the lock
@@ -143,9 +145,8 @@ class Checkpoint:
 
     def remove(self) -> None:
         """Deletes the file, its work done."""
+        self._known.clear()
         self._pending.clear()
-        if self._path is not None and self._file >= 0:
-            self._path.unlink(missing_ok=True)
         self.close()
 
     def __enter__(self) -> "Checkpoint":
@@ -159,7 +160,7 @@ class Checkpoint:
     ) -> None:
         self.close()
 
-    def _load(self, path: Path, identity: dict[str, Any]) -> None:
+    def _load(self, path: Path, identity: dict[str, Any], resume: bool) -> None:
         try:
             with open(self._file, "rb", closefd=False) as file:
                 data = file.read()
@@ -170,11 +171,16 @@ class Checkpoint:
         if data[: len(_MAGIC)] != _MAGIC[: len(data)]:
             raise CheckpointError(f"{path}: found no checkpoint of this version")
         payloads, self._end = _split(data, path)
-        if not payloads:  # new, or killed while it was made
+        if len(payloads) < 2:  # new, or killed before its first step: nothing to lose
             self._end = 0
             self._pending = [_MAGIC, _record(json.dumps(identity).encode())]
             self.flush()
             return
+        if not resume:
+            raise CheckpointError(
+                f"{path}: found the checkpoint of an unfinished run; "
+                "continue it (--resume) or delete it"
+            )
         differs = difference(json.loads(payloads[0]), identity)
         if differs is not None:
             raise CheckpointError(
@@ -183,17 +189,15 @@ class Checkpoint:
         self._known = {_decode(p)[0]: p for p in payloads[1:]}
 
 
-def _open_locked(path: Path, resume: bool) -> int:
+def _open_locked(path: Path) -> int:
     """A descriptor of the file at ``path``, which nobody else holds."""
     try:
         while True:
             file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                status = os.fstat(file)
                 # The holder before may just have deleted the file we opened.
-                if status.st_nlink > 0:
-                    _check_kind(path, status, resume)
+                if os.fstat(file).st_nlink > 0:
                     return file
             except BaseException:
                 os.close(file)
@@ -203,16 +207,6 @@ def _open_locked(path: Path, resume: bool) -> int:
         raise CheckpointError(f"{path}: another run is writing it") from None
     except OSError as problem:
         raise CheckpointError(f"{path}: cannot be opened: {problem.strerror}") from None
-
-
-def _check_kind(path: Path, status: os.stat_result, resume: bool) -> None:
-    if not stat.S_ISREG(status.st_mode):
-        raise CheckpointError(f"{path}: found no regular file")
-    if status.st_size > 0 and not resume:
-        raise CheckpointError(
-            f"{path}: found the checkpoint of an unfinished run; "
-            "continue it (--resume) or delete it"
-        )
 
 
 def _write(file: int, data: bytes, offset: int) -> None:

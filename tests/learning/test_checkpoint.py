@@ -62,7 +62,8 @@ def test_any_interruptions_give_the_same_end(
         with Checkpoint(path, _IDENTITY, resume=True) as checkpoint:
             _learn(checkpoint, Computed(), stop)
         # A kill while it writes leaves any beginning of the file.
-        os.truncate(path, data.draw(st.integers(0, path.stat().st_size)))
+        if path.exists():
+            os.truncate(path, data.draw(st.integers(0, path.stat().st_size)))
     with Checkpoint(path, _IDENTITY, resume=True) as checkpoint:
         computed = Computed()
         assert _bits(_learn(checkpoint, computed)) == _WHOLE
@@ -161,13 +162,29 @@ def test_a_write_that_was_cut_is_made_again(
         assert again.found == 4
 
 
+def _begin(path: Path) -> None:
+    with Checkpoint(path, _IDENTITY) as checkpoint:
+        _learn(checkpoint, Computed(), 1)
+
+
 def test_a_checkpoint_is_not_begun_where_one_is(tmp_path: Path) -> None:
     path = tmp_path / "c"
-    Checkpoint(path, _IDENTITY).close()
+    _begin(path)
     before = path.read_bytes()
     with pytest.raises(CheckpointError, match=r"--resume.* or delete it"):
         Checkpoint(path, _IDENTITY)
     assert path.read_bytes() == before
+
+
+def test_a_checkpoint_of_no_step_is_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "c"
+    killed = Checkpoint(path, _IDENTITY)
+    left = path.read_bytes()
+    killed.close()
+    assert not path.exists()
+    path.write_bytes(left)
+    with Checkpoint(path, {"another": "run"}) as checkpoint:
+        assert checkpoint.found == 0
 
 
 def test_a_checkpoint_in_use_is_refused_even_to_another_process(tmp_path: Path) -> None:
@@ -207,7 +224,7 @@ def test_the_checkpoint_of_another_run_is_refused(
     tmp_path: Path, change: dict[str, object], message: str
 ) -> None:
     path = tmp_path / "c"
-    Checkpoint(path, _IDENTITY).close()
+    _begin(path)
     with pytest.raises(CheckpointError, match=f"c: {message}"):
         Checkpoint(path, _IDENTITY | change, resume=True)
     # And it is free again.
