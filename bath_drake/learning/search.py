@@ -7,11 +7,10 @@ import numpy as np
 
 from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, min_beta
-from bath_drake.learning import genome, shooting
+from bath_drake.learning import genome, paper, paper_cost, shooting
 from bath_drake.learning.checkpoint import Arrays, Checkpoint
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
-from bath_drake.learning.descent import descend
 from bath_drake.learning.failures import FAILURES, costs_of
 from bath_drake.learning.genetic import GeneticSettings, evolve
 from bath_drake.learning.seeding import grow, seed_population
@@ -79,13 +78,17 @@ class Journal:
         """Enters the best member of a step; returns its C over the scale."""
         costs = problem.evaluate(x[None])
         cost = float(costs.demonstration_cost[0]) / self.scale
-        if costs.total[0] < self._least:
-            self.best, self._least = x, float(costs.total[0])
+        self.enter(x, cost, float(costs.total[0]))
+        return cost
+
+    def enter(self, x: FloatArray, cost: float, total: float) -> None:
+        """Enters a step's best member, its C over the scale, and with penalties."""
+        if total < self._least:
+            self.best, self._least = x, total
         best = min(cost, self.history[-1][1]) if self.history else cost
         self.history.append((self.evaluations, best))
         self._done += 1
         self._tell()
-        return cost
 
     def finish(self) -> None:
         """Says that no further step comes."""
@@ -129,46 +132,30 @@ def _settings(config: LearnerConfig, size: int, length: int) -> GeneticSettings:
 
 
 def _search_paper(
-    problem: LearningProblem,
-    count: int,
-    config: LearnerConfig,
-    journal: Journal,
+    problem: LearningProblem, count: int, config: LearnerConfig, journal: Journal
 ) -> list[FloatArray]:
-    """Genetic search with descent on C of whole roll-outs, and its penalties."""
-    settings = replace(_settings(config, 40, 40), immigrants=0.1)
-    journal.plan(settings.generations + 2)
-    scale = genome.scales(count)
+    """The one result of the paper's learner."""
+    settings = paper.settings_for(config.population, config.generations)
+    journal.plan(settings.genetic.generations + 1)
+    before = journal.evaluations
 
-    def cost(xs: FloatArray) -> FloatArray:
-        return journal.count(costs_of(lambda xs: problem.evaluate(xs).total, xs))
+    def encode(best: FloatArray) -> FloatArray:
+        return genome.encode(paper_cost.decode(best, problem, settings.kappa))
 
-    def clip(xs: FloatArray) -> FloatArray:
-        return genome.clip(xs, problem.workspace)
+    def report(state: Arrays) -> None:
+        journal.evaluations = before + int(state["evaluations"][0])
+        cost = float(state["best_cost"][0])  # which has no penalties
+        journal.enter(encode(state["best"]), cost / journal.scale, cost)
 
-    def improve(xs: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return descend(cost, xs, scale, iterations=1, omega=0.05, clip=clip)
-
-    xs = _first(problem, count, config, journal)
-    journal.note(problem, xs[0])
-    xs, _ = evolve(
-        cost,
-        xs,
+    found = paper.learn(
+        problem,
+        count,
         settings,
-        [config.seed, count],
-        immigrants=lambda n, r: seed_population(problem, count, n, r),
-        clip=clip,
-        improve=improve,
-        report=lambda x: journal.note(problem, x) <= 0.0,
-        step=lambda key, compute: journal.step(f"{count}: {key}", compute),
+        config.seed,
+        step=lambda key, compute: journal.checkpoint.step(f"{count}: {key}", compute),
+        report=report,
     )
-
-    def finish() -> Arrays:
-        found = descend(cost, xs[:_FINALISTS], scale, iterations=25, clip=clip)
-        return dict(zip(("xs", "costs"), found, strict=True))
-
-    done = journal.step(f"{count}: finish", finish)
-    journal.note(problem, done["xs"][int(np.argmin(done["costs"]))])
-    return list(done["xs"])
+    return [genome.encode(found.field)]
 
 
 def _search_auto(

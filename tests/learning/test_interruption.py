@@ -60,10 +60,11 @@ def test_stopped_after_every_step_learning_ends_the_same(
         runs += 1
         if not result.finished:
             costs.append(result.frechet["cost"])
-            # Whatever there is, it runs.
-            assert len(rollout(result.start, result.field).path) >= 2
+            # Whatever there is, it runs; the paper's obstacles may cover the start.
+            points = len(rollout(result.start, result.field).path)
+            assert points >= (1 if method == "paper" else 2)
     check_same(result, whole)
-    # Seeds, generation 0, 1 and 2, and the end.
+    # At least: seeds, generation 0, 1 and 2, and the end.
     assert len(costs) >= 4
     assert min(costs) < costs[0]
 
