@@ -47,6 +47,7 @@ from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
 from bath_drake.systems.nozzle_kinematics import NozzleKinematics
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
+from bath_drake.systems.stage_sequencer import StageSequencer
 from bath_drake.systems.surface_reference import SurfaceReference
 from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
 from bath_drake.systems.world_reconciler import WorldReconciler
@@ -55,6 +56,7 @@ from bath_drake.systems.world_reconciler import WorldReconciler
 LOGGED_PORTS = (
     ("canonical_tracker", "canonical_position"),
     ("canonical_reference", "canonical_reference"),
+    ("stage_sequencer", "stage"),
     ("approach_sequencer", "phase"),
     ("approach_sequencer", "standoff"),
     ("hold_supervisor", "hold_reason"),
@@ -80,26 +82,31 @@ def build_canonical_loop(skill: Skill, *, speed: float = 0.3) -> Diagram:
     The point is where the reference is; there is no body, no camera and no arm.
 
     Args:
-        skill: Whose field is followed from its start.
+        skill: Whose chain of fields is followed from its start.
         speed: In N, 1/s.
     """
     builder = DiagramBuilder()
     unit = CanonicalMap(np.eye(3), np.zeros(3), np.ones(2))
-    source = VirtualObstacleSource(field=skill.field)
-    controller = NavigationController(washing_speed=speed)
+    source = VirtualObstacleSource(chain=skill.chain)
     # Short steps: the Diagram's Euler path is compared with exact roll-outs.
+    stages = StageSequencer(period=0.002)
     reference = CanonicalReference(start=skill.start, period=0.002)
+    controller = NavigationController(washing_speed=speed)
     body = ConstantValueSource(Value[object](unit))
     for name, system in (
         ("virtual_obstacle_source", source),
+        ("stage_sequencer", stages),
         ("canonical_map", body),
         ("navigation_controller", controller),
         ("canonical_reference", reference),
     ):
         builder.AddNamedSystem(name, system)
     builder.Connect(body.get_output_port(), controller.GetInputPort("canonical_map"))
-    _connect(builder, source, "navigation_field", [controller])
+    _connect(builder, source, "navigation_chain", [stages])
+    _connect(builder, stages, "navigation_field", [controller])
+    _connect(builder, stages, "final_stage", [controller])
     _connect(builder, controller, "canonical_velocity", [reference])
+    _connect(builder, reference, "canonical_reference", [stages])
     position = reference.GetOutputPort("canonical_reference")
     for system in (controller, reference):
         builder.Connect(position, system.GetInputPort("canonical_position"))
@@ -237,7 +244,8 @@ def _add_control(
     systems = _add_all(
         builder,
         {
-            "virtual_obstacle_source": VirtualObstacleSource(field=skill.field),
+            "virtual_obstacle_source": VirtualObstacleSource(chain=skill.chain),
+            "stage_sequencer": StageSequencer(),
             "world_reconciler": WorldReconciler(period=camera_period),
             "certificate_monitor": CertificateMonitor(period=camera_period),
             "navigation_controller": NavigationController(
@@ -261,6 +269,7 @@ def _add_control(
             "loop_monitor": LoopMonitor(bounds=loop_bounds(scenario)),
         },
     )
+    stages = systems["stage_sequencer"]
     world = systems["world_reconciler"]
     proof = systems["certificate_monitor"]
     controller = systems["navigation_controller"]
@@ -272,10 +281,14 @@ def _add_control(
     supervisor = systems["hold_supervisor"]
     monitor = systems["loop_monitor"]
     for source, port, sinks in (
-        (systems["virtual_obstacle_source"], "navigation_field", [world, monitor]),
+        (systems["virtual_obstacle_source"], "navigation_chain", [stages]),
+        (stages, "navigation_field", [world, monitor]),
+        (stages, "remaining_chain", [world]),
+        (stages, "final_stage", [controller, monitor]),
+        (world, "reconciled_worlds", [proof]),
         (proof, "world_status", [supervisor]),
         (controller, "canonical_velocity", [reference]),
-        (reference, "canonical_reference", [surface, world, proof]),
+        (reference, "canonical_reference", [stages, surface, world, proof]),
         (tracker, "canonical_position", [reference, monitor]),
         (approach, "phase", [reference, monitor]),
         (approach, "standoff", [surface, tracker]),
@@ -291,6 +304,7 @@ def _add_control(
         ("reconciled_field", "navigation_field", [controller, proof]),
         ("reconciled_obstacles", "sensed_obstacles", [controller, proof]),
         ("world_status", "reconciler_status", [proof]),
+        ("restricted_areas", "sensed_obstacles", [stages]),
     ):
         for sink in sinks:
             builder.Connect(world.GetOutputPort(port), sink.GetInputPort(name))

@@ -5,7 +5,7 @@ recording moves with the person. Lines are thin tubes: browsers draw a line one
 pixel wide, whatever width is asked for.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pydrake.geometry import Meshcat, Rgba
 
+from bath_drake.composition.chain import Chain
 from bath_drake.control.approach import Phase
 from bath_drake.errors import RunFolderError
 from bath_drake.field.obstacles import ObstacleSet
@@ -31,6 +32,7 @@ _LIFT = 0.004  # m off the skin, so that nothing sinks into it
 _NORMAL_LENGTH, _NORMAL_SPACING = 0.05, 0.025  # m
 _OUTLINE_POINTS = 96
 _BOX_POINTS = 40
+_OBSTACLE, _WAITING = "#23272e", "#9aa4af"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +44,21 @@ class Overlay:
         lines: (n, 3) points each, in M, m.
         colour: As #rrggbb.
         radius: Of the tubes, m.
+        stage: If not None, it is seen only while that field of the chain is followed,
+            or, where `waits`, only while it is not.
+        waits: See `stage`.
     """
 
     name: str
     lines: tuple[FloatArray, ...]
     colour: str
     radius: float
+    stage: int | None = None
+    waits: bool = False
+
+    def is_seen(self, stage: int) -> bool:
+        """Whether it is seen while a field of the chain is followed."""
+        return self.stage is None or (stage == self.stage) != self.waits
 
 
 def overlays_of_run(
@@ -109,11 +120,11 @@ def _seen_in(frame: Keyframe, skill: Skill) -> list[Overlay]:
 
     box = in_M(frame.canonical_map.world_from_canonical(square(_BOX_POINTS)))
     overlays = [
-        Overlay("virtual_obstacles", outlines(skill.field.obstacles), "#23272e", 0.002),
         Overlay("restricted_areas", outlines(frame.areas), style.RESTRICTED, 0.0035),
         Overlay("canonical_box", (box,), style.BOX, 0.0015),
     ]
-    for name, p_N in (("start", skill.start), ("goal", skill.field.goal)):
+    overlays += _stage_overlays(skill.chain, outlines, draped)
+    for name, p_N in (("start", skill.start), ("goal", skill.chain.goal)):
         at = frame.on_skin(p_N)[1]
         if np.isfinite(at).all():
             # A short, thick tube along the normal is a pin's head.
@@ -123,9 +134,43 @@ def _seen_in(frame: Keyframe, skill: Skill) -> list[Overlay]:
     return overlays
 
 
+def _stage_overlays(
+    chain: Chain,
+    outlines: Callable[[ObstacleSet], tuple[FloatArray, ...]],
+    draped: Callable[[FloatArray], tuple[FloatArray, ...]],
+) -> list[Overlay]:
+    """Obstacles and gates: of the field that is followed strong, of the others faint.
+
+    Args:
+        chain: The skill's.
+        outlines: Lays obstacles onto the skin.
+        draped: Lays a line (n, 2) in N onto the skin.
+    """
+    if len(chain) == 1:
+        lines = outlines(chain.fields[0].obstacles)
+        return [Overlay("virtual_obstacles", lines, _OBSTACLE, 0.002)]
+    overlays = []
+    for k, field in enumerate(chain.fields):
+        lines = outlines(field.obstacles)
+        name = f"virtual_obstacles/field_{k}"
+        overlays += [
+            Overlay(f"{name}/followed", lines, _OBSTACLE, 0.002, k),
+            Overlay(f"{name}/waiting", lines, _WAITING, 0.0008, k, waits=True),
+        ]
+    for k, gate in enumerate(chain.gates):
+        line = draped(gate.outline())
+        overlays.append(Overlay(f"gates/gate_{k}", line, style.NORMAL, 0.0008))
+    return overlays
+
+
 def _at(log: SimulationLog, time: float) -> FloatArray:
     """The row of the body's pose at a time."""
-    return np.asarray(log.body_pose[int(np.argmin(np.abs(log.time - time)))])
+    return np.asarray(log.body_pose[_sample(log, time)])
+
+
+def _sample(log: SimulationLog, time: float) -> int:
+    """The sample nearest to a time."""
+    return int(np.argmin(np.abs(log.time - time)))
 
 
 def square(points_a_side: int) -> FloatArray:
@@ -213,16 +258,28 @@ def record_overlays(
         evaluation: Where the skin was washed.
         skill: What was reproduced.
     """
-    draw_overlays(meshcat, overlays_of_run(log, evaluation, skill))
+    overlays = overlays_of_run(log, evaluation, skill)
+    draw_overlays(meshcat, overlays)
+    by_stage = [overlay for overlay in overlays if overlay.stage is not None]
     animation = meshcat.get_mutable_recording()
-    last = -1
+    last, shown = -1, -1
     for time in np.arange(0.0, log.time[-1], 1.0 / _FRAMES_PER_SECOND):
         X_WM = pose_from_row(_at(log, float(time)))
         frame = animation.frame(float(time))
         if frame != last:
             animation.SetTransform(frame, ROOT, X_WM)
+            stage = int(log.stage[_sample(log, float(time))])
+            if stage != shown:
+                for overlay in by_stage:
+                    seen = overlay.is_seen(stage)
+                    path = f"{ROOT}/{overlay.name}"
+                    animation.SetProperty(frame, path, "visible", seen)
+            shown = stage
         last = frame
     meshcat.SetTransform(ROOT, pose_from_row(log.body_pose[-1]))
+    for overlay in by_stage:
+        seen = overlay.is_seen(int(log.stage[-1]))
+        meshcat.SetProperty(f"{ROOT}/{overlay.name}", "visible", seen)
     look_at_the_back(meshcat, log)
 
 

@@ -45,6 +45,7 @@ def run(
     simulator.Initialize()
     wall_time = [(0.0, 0.0)]
     keyframes: list[dict[str, Any]] = []
+    worlds = [(0.0, _packed_world(diagram, context))]
     outcome = ""
     while not outcome:
         boundary = len(wall_time) * _CHUNK_S
@@ -57,13 +58,16 @@ def run(
             outcome = status.message()
         now = context.get_time()
         wall_time.append((now, wall_time[-1][1] + elapsed))
+        world = _packed_world(diagram, context)
+        if not np.array_equal(world, worlds[-1][1]):
+            worlds.append((now, world))
         # Outside the clock: no loop needs them.
         due = len(keyframes) * _KEYFRAME_PERIOD_S + _CHUNK_S
         if outcome or now >= due - 1e-9:
             keyframes.append(_keyframe(diagram, context))
         if progress is not None:
             progress(now, scenario.duration)
-    return _collect(diagram, context, scenario, wall_time, keyframes, outcome)
+    return _collect(diagram, context, scenario, wall_time, keyframes, worlds, outcome)
 
 
 def _output(diagram: Diagram, context: Context, system: str, port: str) -> Any:
@@ -75,10 +79,6 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
     observation = _output(diagram, context, "body_segmenter", "body_observation")
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
-    virtual = _output(diagram, context, "world_reconciler", "reconciled_field")
-    world = virtual.with_obstacles(
-        _output(diagram, context, "world_reconciler", "reconciled_obstacles")
-    )
     colour = _output(diagram, context, "camera", "color_image").data
     depth = _output(diagram, context, "camera", "depth_image_32f").data
     completed = float(np.sum(observation.completed_areas))
@@ -91,9 +91,16 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
         "robot": observation.robot_mask,
         "map": _map_row(canonical_map),
         "areas": areas.theta,
-        "world": pack_field(world, _MOST_OBSTACLES),
+        "world": _packed_world(diagram, context),
         "reach": (observation.visible_fraction, hidden),
     }
+
+
+def _packed_world(diagram: Diagram, context: Context) -> FloatArray:
+    """The field that is driven in, sensed areas included."""
+    virtual = _output(diagram, context, "world_reconciler", "reconciled_field")
+    areas = _output(diagram, context, "world_reconciler", "reconciled_obstacles")
+    return pack_field(virtual.with_obstacles(areas), _MOST_OBSTACLES)
 
 
 def _map_row(canonical_map: CanonicalMap) -> FloatArray:
@@ -112,6 +119,7 @@ def _collect(
     scenario: Scenario,
     wall_time: list[tuple[float, float]],
     keyframes: list[dict[str, Any]],
+    worlds: list[tuple[float, FloatArray]],
     outcome: str,
 ) -> SimulationLog:
     series: dict[str, FloatArray] = {}
@@ -131,6 +139,7 @@ def _collect(
         time=series["time"],
         canonical_position=series["canonical_position"],
         canonical_reference=series["canonical_reference"],
+        stage=series["stage"][:, 0],
         phase=series["phase"][:, 0],
         standoff=series["standoff"][:, 0],
         hold_reason=series["hold_reason"][:, 0],
@@ -156,6 +165,8 @@ def _collect(
         keyframe_areas=_numbered_rows(keyframes),
         keyframe_world=stacked("world"),
         keyframe_reach=stacked("reach"),
+        world_time=np.array([time for time, _ in worlds]),
+        worlds=np.array([world for _, world in worlds]),
         intrinsics=np.array(
             [getattr(camera, k) for k in ("width", "height", "fx", "fy", "cx", "cy")],
             dtype=np.float64,

@@ -23,6 +23,7 @@ class SimulationLog:
         time: (T,) s.
         canonical_position: (T, 2) of the washed point, as the loop saw it, in N.
         canonical_reference: (T, 2) what it aimed at, in N.
+        stage: (T,) which field of the skill's chain was followed, from 0.
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
         hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
@@ -47,6 +48,8 @@ class SimulationLog:
         keyframe_areas: (n, 6) index of the key frame, then the ellipse in N.
         keyframe_world: (K, n) the field that was driven in, sensed areas included,
             packed (`bath_drake.field.parameters`).
+        world_time: (W,) s, when a world was first driven in, to a tenth of a second.
+        worlds: (W, n) these worlds, packed likewise.
         keyframe_reach: (K, 2) visible fraction of the back, share of it that the
             robot hides.
         intrinsics: (6,) of the camera: width, height, fx, fy, cx, cy.
@@ -56,6 +59,7 @@ class SimulationLog:
     time: FloatArray
     canonical_position: FloatArray
     canonical_reference: FloatArray
+    stage: FloatArray
     phase: FloatArray
     standoff: FloatArray
     hold_reason: FloatArray
@@ -78,6 +82,8 @@ class SimulationLog:
     keyframe_map: FloatArray
     keyframe_areas: FloatArray
     keyframe_world: FloatArray
+    world_time: FloatArray
+    worlds: FloatArray
     keyframe_reach: FloatArray
     intrinsics: FloatArray
     X_WC: FloatArray

@@ -10,6 +10,7 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform
 
 from bath_drake import __version__
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.approach import Phase
 from bath_drake.control.certified_world import (
     CertifiedWorld,
@@ -18,7 +19,6 @@ from bath_drake.control.certified_world import (
 )
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.parameters import unpack_field
-from bath_drake.field.rollout import rollout
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
@@ -100,13 +100,14 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     ]
     clearance = _clearance(skin.canonical_map.plane_from_world(hits)[:, :2], outlines)
     half = skin.canonical_map.half_extents
-    path = rollout(skill.start, skill.field).path
+    path = chain_rollout(skill.start, skill.chain).path
     surface_error = (distance - scenario.control.standoff) * 1e3
     normal_error = np.degrees(np.arccos(cosine))
     speed = _speed(time[met], hits)
     world = certify_world(driven_world(log), log.certified_start[-1])
     metrics: dict[str, Any] = {
         "frechet": _frechet(skill, executed, path),
+        "stages": _stages(log, skill),
         "certificate": _certificate(log, world),
         "reached_goal": log.outcome == LoopOutcome.GOAL_REACHED.name,
         "outcome": log.outcome,
@@ -189,6 +190,11 @@ def _frechet(
     }
 
 
+def _stages(log: SimulationLog, skill: Skill) -> dict[str, int]:
+    """How many fields the skill's chain has, and how many the motion came to."""
+    return {"count": len(skill.chain), "reached": int(log.stage.max()) + 1}
+
+
 def driven_world(log: SimulationLog) -> NavigationField:
     """Returns the field the run ended in, its sensed areas included."""
     return unpack_field(log.keyframe_world[-1])
@@ -223,8 +229,14 @@ def _proof_times(log: SimulationLog) -> FloatArray:
 def _min_beta(log: SimulationLog, washing: IntArray) -> float | None:
     if not len(washing):
         return None
-    field = driven_world(log)
-    return float(np.min(min_beta(log.canonical_position[washing], field)))
+    # Each point in the world that was driven in then.
+    at = np.searchsorted(log.world_time, log.time[washing], side="right") - 1
+    points = log.canonical_position[washing]
+    least = [
+        min_beta(points[at == k], unpack_field(log.worlds[k])).min()
+        for k in np.unique(at)
+    ]
+    return float(min(least))
 
 
 def _clearance(points: FloatArray, outlines: list[FloatArray]) -> FloatArray | None:

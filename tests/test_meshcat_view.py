@@ -44,6 +44,7 @@ def log():
     return SimpleNamespace(
         time=time,
         phase=np.full(11, 2.0),
+        stage=np.zeros(11),
         body_pose=pose,
         nozzle_pose=nozzle,
         keyframe_time=np.empty(0),

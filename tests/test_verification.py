@@ -52,7 +52,7 @@ def perfect(make):
 
 def driven_in(log, world):
     rows = np.stack([pack_field(world, 4)] * len(log.keyframe_time))
-    return replace(log, keyframe_world=rows)
+    return replace(log, keyframe_world=rows, worlds=rows[:1])
 
 
 def failed(log, skill, scenario=None):

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from bath_drake.composition.chain import Chain
 from bath_drake.field import _rollouts
 from bath_drake.field.rollout import Rollout, RolloutStatus, check_rollout, path_times
+from bath_drake.field.speed import NEVER_SLOWS
 from bath_drake.notation import FloatArray, IntArray
 
 _NO_GATE = np.zeros(5)
@@ -121,7 +122,7 @@ def chain_times(
             field,
             speed=speed,
             half_extents=half_extents,
-            slow_radius=slow_radius if last else _NEVER,
+            slow_radius=slow_radius if last else NEVER_SLOWS,
             goal_tolerance=goal_tolerance,
         )
     return times

@@ -1,5 +1,6 @@
 """The world that is driven in, with its proof, and how long that proof holds."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -85,6 +86,44 @@ def certify_world(field: NavigationField, start: FloatArray) -> CertifiedWorld:
     start.setflags(write=False)
     found = certify_from(field, start, budget=RUN_TIME_BUDGET)
     return CertifiedWorld(field, start, found)
+
+
+def keep_certified(
+    worlds: tuple[CertifiedWorld, ...],
+    field: NavigationField,
+    point: FloatArray,
+    ahead: Sequence[tuple[NavigationField, FloatArray]] = (),
+) -> tuple[CertifiedWorld, ...]:
+    """Makes the proof that is needed most, one at most.
+
+    Args:
+        worlds: What is certified.
+        field: The world that is driven in.
+        point: (2,) where the motion is, in N.
+        ahead: Worlds that may be driven in next, and where each is to be entered.
+
+    Returns:
+        The driven world first, then those ahead; `worlds` itself if nothing is due.
+    """
+    current = certified_of(worlds, field)
+    others = tuple(
+        world for world in worlds if any(world.field == other for other, _ in ahead)
+    )
+    if current is None or current.is_stale(field, point):
+        others = tuple(world for world in others if world is not current)
+        return (certify_world(field, point), *others)
+    for other, entry in ahead:
+        if certified_of(worlds, other) is None:
+            kept = tuple(world for world in others if world is not current)
+            return (current, *kept, certify_world(other, entry))
+    return worlds
+
+
+def certified_of(
+    worlds: tuple[CertifiedWorld, ...], field: NavigationField
+) -> CertifiedWorld | None:
+    """The world that is certified of a field, if there is one."""
+    return next((w for w in worlds if w.made and w.field == field), None)
 
 
 def nothing_certified() -> CertifiedWorld:

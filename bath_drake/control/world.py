@@ -13,17 +13,15 @@ import numpy as np
 
 from bath_drake.certificate.certify import certify, certify_from
 from bath_drake.certificate.result import Certificate
+from bath_drake.control.areas import make_room
 from bath_drake.control.certified_world import RUN_TIME_BUDGET
 from bath_drake.field.navigation import NavigationField
-from bath_drake.field.obstacles import ObstacleSet, beta, pair_gaps, support
+from bath_drake.field.obstacles import ObstacleSet, beta
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.notation import FloatArray
 
-# Between an area and a virtual obstacle, in N.
-GAP = 0.05
 # Once the learned path is on average this near to the motion, in N, none is sought.
 NEAR_ENOUGH = 0.05
-_SHRINK, _SMALLEST = 0.85, 0.15
 # The smaller an area's exponent, the nearer to it the flow first feels it.
 _EXPONENTS = (1.0, 0.3)
 _KAPPA_FACTORS = (1.0, 2.0, 4.0)
@@ -34,12 +32,16 @@ class World:
     """Virtual and sensed obstacles that stand together.
 
     Attributes:
+        learned: The field that was asked for.
+        start: (2,) in N, from where on the motion was to be sound.
         virtual: The learned field with its obstacles as they could be kept.
         sensed: The restricted areas, with the exponents they were given.
         certificate: What was proved of the field of both.
         changed: What was done to the virtual obstacles, in words.
     """
 
+    learned: NavigationField
+    start: FloatArray
     virtual: NavigationField
     sensed: ObstacleSet
     certificate: Certificate
@@ -66,7 +68,7 @@ def join_areas(field: NavigationField, areas: ObstacleSet, start: FloatArray) ->
     """
     if not len(areas):
         alone = certify_from(field, start, budget=RUN_TIME_BUDGET)
-        return World(field, areas, alone, "nothing")
+        return World(field, start, field, areas, alone, "nothing")
     candidates = _candidates(field, areas, start)
     for region in (False, True):
         # The nearest first: what is far from the learned path need not be proved.
@@ -76,9 +78,10 @@ def join_areas(field: NavigationField, areas: ObstacleSet, start: FloatArray) ->
                 world, starts=start if region else None, budget=RUN_TIME_BUDGET
             )
             if certificate.passed:
-                return World(virtual, sensed, certificate, changed)
+                return World(field, start, virtual, sensed, certificate, changed)
     union = certify_from(field.with_obstacles(areas), start, budget=RUN_TIME_BUDGET)
-    return World(field, areas, union, "nothing: no sound world was found")
+    nothing = "nothing: no sound world was found"
+    return World(field, start, field, areas, union, nothing)
 
 
 def left_aside(learned: FloatArray, path: FloatArray, areas: ObstacleSet) -> float:
@@ -132,45 +135,3 @@ def _worlds(
                 )
                 changed = f"{name}, kappa x {factor:g}, areas' exponent {exponent:g}"
                 yield virtual, sensed, changed
-
-
-def make_room(
-    virtual: ObstacleSet, areas: ObstacleSet, gap: float = GAP
-) -> ObstacleSet:
-    """Shrinks virtual obstacles until each keeps `gap` to every area.
-
-    One that would have to shrink to less than a seventh is dropped.
-    """
-    rows, exponents = [], []
-    for row, exponent in zip(virtual.theta, virtual.powers, strict=True):
-        scale = 1.0
-        while scale > _SMALLEST:
-            shrunk = row.copy()
-            shrunk[2:4] *= scale
-            pair = ObstacleSet(np.vstack([shrunk, areas.theta]))
-            if pair_gaps(pair)[0, 1:].min() >= gap:
-                rows.append(shrunk)
-                exponents.append(exponent)
-                break
-            scale *= _SHRINK
-    return ObstacleSet(np.array(rows).reshape(-1, 5), np.array(exponents))
-
-
-def inflated(areas: ObstacleSet, slack: float) -> ObstacleSet:
-    """Returns areas with `slack` added to both semi-axes, in N."""
-    theta = areas.theta.copy()
-    theta[:, 2:4] += slack
-    return ObstacleSet(theta, areas.powers)
-
-
-def contain(outer: ObstacleSet, inner: ObstacleSet, directions: int = 90) -> bool:
-    """Whether each ellipse lies within the outer one of the same index."""
-    if len(outer) != len(inner):
-        return False
-    turns = np.linspace(0.0, 2.0 * np.pi, directions, endpoint=False)
-    n = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-
-    def reach(areas: ObstacleSet) -> FloatArray:
-        return np.asarray(n @ areas.theta[:, :2].T + support(areas, n))
-
-    return bool((reach(inner) <= reach(outer)).all())

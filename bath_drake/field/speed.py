@@ -6,6 +6,9 @@ from numpy.typing import ArrayLike
 from bath_drake.field.navigation import NavigationField, flow_direction
 from bath_drake.notation import FloatArray
 
+NEVER_SLOWS = float(np.finfo(np.float64).tiny)
+"""As ``slow_radius``: full speed up to the goal, for fields that are left before it."""
+
 
 def canonical_velocity(
     q: ArrayLike,

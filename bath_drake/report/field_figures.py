@@ -3,12 +3,15 @@
 from collections.abc import Sequence
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from bath_drake.composition.chain import Chain
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.field.navigation import (
     NavigationField,
     flow_direction,
@@ -49,41 +52,62 @@ def draw_demonstrations(
     return figure
 
 
-def draw_field(
-    field: NavigationField,
+def draw_chain(
+    chain: Chain,
     demonstrations: Sequence[FloatArray],
     mean: FloatArray,
     rollout: FloatArray,
     frechet: str,
 ) -> Figure:
-    """Draws the learned field, and its roll-out on the demonstrations.
+    """Draws the learned fields, and their roll-out on the demonstrations.
 
     Args:
-        field: The learned field.
+        chain: The learned fields, one or more.
         demonstrations: Paths (n, 2) in N.
         mean: Their mean (n, 2).
-        rollout: The field's own path (n, 2) from the learned start.
+        rollout: The chain's own path (n, 2) from the learned start.
         frechet: What to say about the distance of the two.
     """
     figure = style.new_figure(5.4)
     left, right = figure.subplots(1, 2, width_ratios=[1.12, 1.0])
-    draw_flow(left, field)
-    draw_obstacles(left, field.obstacles, "virtual obstacle")
-    left.plot(*rollout.T, color=style.REPRODUCTION, lw=2.4, label="reproduction")
-    _mark_ends(left, rollout[0], field.goal)
+    if len(chain) == 1:
+        draw_flow(left, chain.fields[0])
+        draw_obstacles(left, chain.fields[0].obstacles, "virtual obstacle")
+        left.plot(*rollout.T, color=style.REPRODUCTION, lw=2.4, label="reproduction")
+        left.set_title("Learned field: ln φ (grey) and flow along −∇φ")
+    else:
+        _draw_stages(left, chain, rollout[0])
+        left.set_title(f"Learned chain of {len(chain)} fields, followed in turn")
+    _mark_ends(left, rollout[0], chain.goal)
     _canonical_axes(left, grid=False)
-    left.set_title("Learned field: ln φ (grey) and flow along −∇φ")
     for index, path in enumerate(demonstrations):
         right.plot(*path.T, color=style.demonstration_shade(index), lw=1.2)
     right.plot(*mean.T, color=style.DEMONSTRATION, lw=2.4, label="demonstrations, mean")
     right.plot(*rollout.T, color=style.REPRODUCTION, lw=2.0, label="reproduction")
-    _mark_ends(right, rollout[0], field.goal)
+    _mark_ends(right, rollout[0], chain.goal)
     _zoom(right, [*demonstrations, mean, rollout])
     _canonical_axes(right)
     right.set_title(f"Reproduction against demonstrations\n{frechet}")
     for axes in (left, right):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=2)
     return figure
+
+
+def _draw_stages(axes: Axes, chain: Chain, start: FloatArray) -> None:
+    """Obstacles, gates and pieces of the path of a chain, a colour for each field."""
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.88, len(chain)))
+    found = chain_rollout(start, chain)
+    for k, (field, colour) in enumerate(zip(chain.fields, colours, strict=True)):
+        draw_obstacles(axes, field.obstacles, f"obstacles of field {k + 1}", colour)
+        at = np.flatnonzero(found.stages == k)
+        if len(at):
+            piece = found.path[at[0] : at[-1] + 2]
+            axes.plot(*piece.T, color=colour, lw=2.6, zorder=3)
+        if k < len(chain.gates):
+            axes.plot(*chain.gates[k].outline().T, color=colour, lw=0.9, ls="--")
+    rim = workspace_outline(chain.fields[0].workspace)
+    _zoom(axes, [found.path, *(gate.outline() for gate in chain.gates)])
+    axes.plot(*rim.T, color=style.INK, lw=1.4, scalex=False, scaley=False)
 
 
 def draw_executed(
@@ -200,7 +224,7 @@ def workspace_outline(workspace: Workspace) -> FloatArray:
 
 
 def draw_obstacles(
-    axes: Axes, obstacles: ObstacleSet, label: str, colour: str = style.OBSTACLE
+    axes: Axes, obstacles: ObstacleSet, label: str, colour: Any = style.OBSTACLE
 ) -> None:
     """Draws ellipses; the legend names them once."""
     for index, outline in enumerate(obstacles.boundary(96)):

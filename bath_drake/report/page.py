@@ -101,6 +101,17 @@ def render_report(run: RunData) -> str:
     )
 
 
+_FIELD_CAPTION = (
+    "Left: the virtual obstacles shape the field so that its flow is the stroke. "
+    "Right: the field's own path (red) on the demonstrations (blue)."
+)
+_CHAIN_CAPTION = (
+    "Left: each field has obstacles, a part of the path and a gate (half-disc) of one "
+    "colour; in the gate the next field takes over. Right: the path (red) on the "
+    "demonstrations (blue)."
+)
+
+
 def _pictures(run: RunData) -> dict[str, _Picture]:
     """All figures by name; those the run gives nothing for are left out."""
     pictures: dict[str, _Picture] = {}
@@ -111,7 +122,7 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
             source = style.as_data_uri(figure, raster=raster)
             pictures[name] = _Picture(source, text, caption)
 
-    series, field = run.evaluation, run.skill.field
+    series, chain = run.evaluation, run.skill.chain
     paths = [demonstration.points for demonstration in run.demonstrations]
     add(
         "demonstrations",
@@ -126,16 +137,15 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
     )
     add(
         "field",
-        field_figures.draw_field(
-            field,
+        field_figures.draw_chain(
+            chain,
             paths,
             series.mean_demonstration,
             series.rollout,
             frechet_text(run),
         ),
         "The learned navigation field and its path on the demonstrations",
-        "Left: the virtual obstacles shape the field so that its flow is the stroke. "
-        "Right: the field's own path (red) on the demonstrations (blue).",
+        _FIELD_CAPTION if len(chain) == 1 else _CHAIN_CAPTION,
     )
     world = run.evaluation.world
     add(
@@ -223,11 +233,13 @@ def _summary(run: RunData) -> str:
     outcome = _OUTCOMES.get(run.log.outcome, f"The run ended with {run.log.outcome}")
     when = metrics.get("time_to_goal_s")
     after = f" after {when:.1f} s" if isinstance(when, int | float) else ""
-    count = len(run.skill.demonstration_hashes)
+    count, stages = len(run.skill.demonstration_hashes), len(run.skill.chain)
+    fields = f" in {stages} fields, followed in turn" if stages > 1 else ""
     return (
         f"{scenario.description} Person {scenario.scene.person}; skill learned from "
         f"{count} demonstration{'s' if count != 1 else ''} with "
-        f"{len(run.skill.field.obstacles)} virtual obstacles. {outcome}{after}. "
+        f"{run.skill.chain.obstacle_count} virtual obstacles{fields}. "
+        f"{outcome}{after}. "
         f"Random seed {metrics['seed']}."
     ).strip()
 
@@ -246,18 +258,21 @@ def _headline(run: RunData) -> list[tuple[str, str]]:
 
 
 def _chain_figures(run: RunData) -> ChainFigures:
-    m, log, field = run.metrics, run.log, run.skill.field
+    m, log, chain = run.metrics, run.log, run.skill.chain
     frame = run.main_keyframe
     reach = log.keyframe_reach[frame.index] if frame else (float("nan"),) * 2
     half = frame.canonical_map.half_extents if frame else np.full(2, np.nan)
     sensed = len(frame.areas) if frame else 0
+    shape = f"κ {number(chain.fields[0].kappa)}"
+    if len(chain) > 1:
+        shape = f"{len(chain)} fields"
     held = int(sum(m["holds"].values()))
     return ChainFigures(
         camera=f"{int(log.frames)} frames",
         segmenter=f"{100 * reach[0]:.0f} % of it visible",
         projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm",
         controller=f"min β {number(m.get('min_beta'))}",
-        obstacles=f"{len(field.obstacles)} ellipses, κ {number(field.kappa)}",
+        obstacles=f"{chain.obstacle_count} ellipses, {shape}",
         areas=f"{sensed} found",
         proof=str(m["certificate"]["verdict"]),
         surface=f"normal {number(m.get('normal_error_deg', {}).get('mean'))}° off",

@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from bath_drake.composition.chain import Chain
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.approach import Phase
+from bath_drake.control.staging import around_areas, gate_at, remaining
 from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.demonstrations.processing import canonical_demonstrations
 from bath_drake.demonstrations.recording import read_recording
 from bath_drake.errors import BathDrakeError, RunFolderError
-from bath_drake.field.rollout import rollout
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray
 from bath_drake.report.keyframe import Keyframe
@@ -74,7 +76,22 @@ class RunData:
         """The plan (n, 2) from where the nozzle was, in the world it was driven in."""
         done = self.path_until(frame.time)
         start = done[-1] if len(done) else self.skill.start
-        return rollout(start, frame.world).path
+        return chain_rollout(start, self.chain_from(frame)).path
+
+    def chain_from(self, frame: Keyframe) -> Chain:
+        """The world that was driven in and, with the areas seen, those to come."""
+        left = remaining(around_areas(self.skill.chain, frame.areas), self.stage(frame))
+        later = [field.with_obstacles(frame.areas) for field in left.fields[1:]]
+        gates = list(left.gates)
+        if gates and not gates[0].holds(frame.world.goal):
+            # The loop moved the goal for the areas as it allows for them, with slack.
+            gates[0] = gate_at(frame.world.goal, gates[0])
+        return Chain((frame.world, *later), tuple(gates))
+
+    def stage(self, frame: Keyframe) -> int:
+        """Which field of the chain was followed then."""
+        at = int(np.searchsorted(self.log.time, frame.time, side="right")) - 1
+        return int(self.log.stage[max(at, 0)])
 
 
 def load_run(folder: Path) -> RunData:

@@ -51,6 +51,7 @@ def certificate_rows(run: RunData) -> list[tuple[str, str]]:
         ("verdict", told.get("verdict")),
         ("covers", told.get("covers")),
         ("the skill's own certificate", of_skill),
+        ("fields followed", _stages(run)),
         ("sensed areas", told.get("sensed_areas")),
         ("proofs during the run", told.get("proofs")),
         ("a proof took, mean", _milliseconds(seconds.get("mean"))),
@@ -58,6 +59,11 @@ def certificate_rows(run: RunData) -> list[tuple[str, str]]:
         ("samples in which it moved unproved", told.get("samples_moved_unproved")),
     ]
     return [(name, number(value)) for name, value in rows]
+
+
+def _stages(run: RunData) -> str | None:
+    told = run.metrics.get("stages")
+    return None if told is None else f"{told['reached']} of {told['count']}"
 
 
 def _milliseconds(seconds: float | None) -> str | None:

@@ -82,9 +82,8 @@ def draw_clearance(run: RunData) -> Figure | None:
 def _panels(run: RunData) -> list[_Panel]:
     log, series = run.log, run.evaluation
     control, limits = run.scenario.control, run.scenario.limits
-    goal_distance = np.linalg.norm(
-        log.canonical_position - run.skill.field.goal, axis=1
-    )
+    chain = run.skill.chain
+    goal_distance = np.linalg.norm(log.canonical_position - chain.goal, axis=1)
     panels = [
         _Panel("distance\nto the goal\n[canonical]", log.time, goal_distance),
         _Panel(
@@ -108,6 +107,9 @@ def _panels(run: RunData) -> list[_Panel]:
             style.NORMAL,
         ),
     ]
+    if len(chain) > 1:
+        count = ((float(len(chain)), "the last"),)
+        panels.insert(1, _Panel("field\nfollowed", log.time, log.stage + 1.0, count))
     # A jet that misses the body leaves no speed on its skin.
     if len(series.speed) == len(series.time):
         panels.append(

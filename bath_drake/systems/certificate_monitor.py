@@ -13,9 +13,11 @@ from pydrake.systems.framework import (
 
 from bath_drake.control.certified_world import (
     CertifiedWorld,
-    certify_world,
+    certified_of,
+    keep_certified,
     nothing_certified,
 )
+from bath_drake.control.world import World
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector, set_vector
@@ -33,6 +35,7 @@ class CertificateMonitor(LeafSystem):
         - sensed_obstacles
         - canonical_reference
         - reconciler_status (optional)
+        - reconciled_worlds (optional)
         output_ports:
         - certified_world
         - certificate_verdict
@@ -40,11 +43,14 @@ class CertificateMonitor(LeafSystem):
         - certified_start
         - world_status
 
-    The state is the `CertifiedWorld` in force. It is made in a periodic update alone,
-    so that no reader of a port waits for a proof. `certified_world` is that world
-    (before the first update one that proves nothing), `certificate_verdict` a
-    `WorldVerdict`, `certificate_seconds` what the proof took and `certified_start` the
-    reference, in N, shape (2,), from which it was made.
+    The state are the `CertifiedWorld`s of the world that is driven in and of those in
+    `reconciled_worlds` (a tuple of `bath_drake.control.world.World`) that may be next:
+    at a gate the proof is there already. They are made in a periodic update alone, one
+    at a time, so that no reader of a port waits for a proof. `certified_world` is that
+    of the world at the input ports, or else the last one that was driven in (before
+    the first update one that proves nothing), `certificate_verdict` a `WorldVerdict`,
+    `certificate_seconds` what the proof took and `certified_start` the point in N,
+    shape (2,), from which it was made.
 
     `world_status` is 1 where the motion from the reference is proved in the very world
     that stands at the input ports now: all of it, or the sublevel set that the
@@ -70,8 +76,13 @@ class CertificateMonitor(LeafSystem):
         )
         self._p_NQ = self.DeclareVectorInputPort("canonical_reference", 2)
         self._reconciled = self.DeclareVectorInputPort("reconciler_status", 1)
-        self._world = self.DeclareAbstractState(Value(nothing_certified()))
-        state = {self.abstract_state_ticket(self._world)}
+        self._ahead = self.DeclareAbstractInputPort("reconciled_worlds", Value(()))
+        # Value(...) of a tuple would take its items for arguments.
+        self._worlds = self.DeclareAbstractState(Value[object]((nothing_certified(),)))
+        driven = (self._field, self._sensed)
+        state = {self.abstract_state_ticket(self._worlds)} | {
+            self.input_port_ticket(port.get_index()) for port in driven
+        }
         self.DeclareAbstractOutputPort(
             "certified_world",
             lambda: Value(nothing_certified()),
@@ -84,7 +95,7 @@ class CertificateMonitor(LeafSystem):
             ("certified_start", 2, self._calc_start),
         ):
             self.DeclareVectorOutputPort(name, size, calc, state)
-        inputs = (self._field, self._sensed, self._p_NQ, self._reconciled)
+        inputs = (self._p_NQ, self._reconciled)
         tickets = {self.input_port_ticket(port.get_index()) for port in inputs}
         self.DeclareVectorOutputPort(
             "world_status", 1, self._calc_status, state | tickets
@@ -95,22 +106,33 @@ class CertificateMonitor(LeafSystem):
             period, 3.1 * FRAME_DELAY_S, self._certify
         )
 
+    def _certified(self, context: Any) -> tuple[CertifiedWorld, ...]:
+        state: Any = context.get_abstract_state(int(self._worlds))
+        worlds: tuple[CertifiedWorld, ...] = state.get_value()
+        return worlds
+
     def _in_force(self, context: Any) -> CertifiedWorld:
-        state: Any = context.get_abstract_state(int(self._world))
-        world: CertifiedWorld = state.get_value()
-        return world
+        worlds = self._certified(context)
+        return certified_of(worlds, self._driven(context)) or worlds[0]
 
     def _driven(self, context: Context) -> NavigationField:
         field = eval_value(self._field, context, NavigationField)
         return field.with_obstacles(eval_value(self._sensed, context, ObstacleSet))
 
     def _certify(self, context: Context, state: State) -> EventStatus:
-        field, point = self._driven(context), eval_vector(self._p_NQ, context)
-        if not self._in_force(context).is_stale(field, point):
-            return EventStatus.DidNothing()
-        state.get_mutable_abstract_state(int(self._world)).set_value(
-            certify_world(field, point)
+        ahead: tuple[World, ...] = ()
+        if self._ahead.HasValue(context):
+            ahead = eval_value(self._ahead, context, tuple)
+        before = self._certified(context)
+        worlds = keep_certified(
+            before,
+            self._driven(context),
+            eval_vector(self._p_NQ, context),
+            [(world.field, world.start) for world in ahead],
         )
+        if worlds is before:
+            return EventStatus.DidNothing()
+        state.get_mutable_abstract_state(int(self._worlds)).set_value(worlds)
         return EventStatus.Succeeded()
 
     def _calc_world(self, context: Any, output: Any) -> None:

@@ -9,7 +9,7 @@ from bath_drake.control.approach import Phase
 from bath_drake.field.navigation import NavigationField
 from bath_drake.perception.surface import SurfacePatch, height_over
 from bath_drake.safety.outcome import LoopBounds, LoopOutcome, judge_loop
-from bath_drake.systems._ports import eval_value, eval_vector
+from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector
 
 
 class LoopMonitor(LeafSystem):
@@ -21,12 +21,14 @@ class LoopMonitor(LeafSystem):
         input_ports:
         - canonical_position
         - navigation_field
+        - final_stage
         - phase
         - nozzle_pose
         - surface_patch
 
-    The message of the termination is the name of a
-    `bath_drake.safety.outcome.LoopOutcome`.
+    The goal is that of `navigation_field` while `final_stage` is above one half; until
+    then there are others to come, and passing by is not arriving. The message of
+    the termination is the name of a `bath_drake.safety.outcome.LoopOutcome`.
     """
 
     def __init__(self, *, bounds: LoopBounds, period: float = 0.02) -> None:
@@ -37,6 +39,7 @@ class LoopMonitor(LeafSystem):
         self._bounds = bounds
         self._p_NQ = self.DeclareVectorInputPort("canonical_position", 2)
         self._field = self.DeclareAbstractInputPort("navigation_field", Value[object]())
+        self._final = self.DeclareVectorInputPort("final_stage", 1)
         self._phase = self.DeclareVectorInputPort("phase", 1)
         self._X_WE = self.DeclareAbstractInputPort(
             "nozzle_pose", Value(RigidTransform())
@@ -50,12 +53,12 @@ class LoopMonitor(LeafSystem):
         field = eval_value(self._field, context, NavigationField)
         patch = eval_value(self._patch, context, SurfacePatch)
         p_WE = np.asarray(eval_value(self._X_WE, context, RigidTransform).translation())
+        away = np.linalg.norm(eval_vector(self._p_NQ, context) - field.goal)
+        final = eval_scalar(self._final, context) > 0.5
         return judge_loop(
             time=context.get_time(),
             washing=int(eval_vector(self._phase, context)[0]) == Phase.WASH,
-            goal_distance=float(
-                np.linalg.norm(eval_vector(self._p_NQ, context) - field.goal)
-            ),
+            goal_distance=float(away) if final else np.inf,
             clearance=height_over(patch, p_WE),
             bounds=self._bounds,
         )

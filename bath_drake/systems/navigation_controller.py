@@ -5,9 +5,9 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
-from bath_drake.field.speed import canonical_velocity
+from bath_drake.field.speed import NEVER_SLOWS, canonical_velocity
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.systems._ports import eval_value, eval_vector, set_vector
+from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector, set_vector
 
 
 class NavigationController(LeafSystem):
@@ -21,13 +21,16 @@ class NavigationController(LeafSystem):
         - navigation_field
         - canonical_map
         - sensed_obstacles (optional)
+        - final_stage (optional)
         output_ports:
         - canonical_velocity
 
     Points are in canonical space N, shape (2,), dimensionless; the velocity is
     in 1/s. The canonical map gives the body's size, so that the washing speed
     holds in metres along the skin. Stateless, and without any constant of the
-    field. An unconnected `sensed_obstacles` means none.
+    field. An unconnected `sensed_obstacles` means none. The speed falls towards the
+    goal, except while `final_stage` is below one half: the motion then goes on to
+    another field before it is there.
     """
 
     def __init__(
@@ -57,7 +60,8 @@ class NavigationController(LeafSystem):
         self._sensed = self.DeclareAbstractInputPort(
             "sensed_obstacles", Value[object]()
         )
-        inputs = (self._p_NQ, self._field, self._map, self._sensed)
+        self._final = self.DeclareVectorInputPort("final_stage", 1)
+        inputs = (self._p_NQ, self._field, self._map, self._sensed, self._final)
         self.DeclareVectorOutputPort(
             "canonical_velocity",
             2,
@@ -69,11 +73,14 @@ class NavigationController(LeafSystem):
         field = eval_value(self._field, context, NavigationField)
         if self._sensed.HasValue(context):
             field = field.with_obstacles(eval_value(self._sensed, context, ObstacleSet))
+        goes_on = self._final.HasValue(context) and (
+            eval_scalar(self._final, context) < 0.5
+        )
         velocity = canonical_velocity(
             eval_vector(self._p_NQ, context),
             field,
             speed=self._washing_speed,
             half_extents=eval_value(self._map, context, CanonicalMap).half_extents,
-            slow_radius=self._slow_radius,
+            slow_radius=NEVER_SLOWS if goes_on else self._slow_radius,
         )
         set_vector(output, velocity)

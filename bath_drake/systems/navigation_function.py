@@ -54,9 +54,9 @@ def NavigationFunction_(T: Any) -> Any:
         all positive in free space, 1 in rows that hold no obstacle.
 
         The whole field is the Context's numeric parameter, the same vector as
-        `VirtualObstacleSource`'s: derivatives with respect to obstacles, goal and
-        kappa come out of an AutoDiffXd parameter. Symbolic outputs are the paper's
-        formulas: they hold in free space, without a case. Stateless.
+        `VirtualObstacleSource` holds for each stage: derivatives with respect to
+        obstacles, goal and kappa come out of an AutoDiffXd parameter. Symbolic outputs
+        are the paper's formulas: they hold in free space, without a case. Stateless.
         """
 
         def _construct(

@@ -1,4 +1,4 @@
-"""The learned field and the sensed areas, reconciled, as a Drake system."""
+"""The learned fields and the sensed areas, reconciled, as a Drake system."""
 
 from typing import Any
 
@@ -11,7 +11,9 @@ from pydrake.systems.framework import (
     State,
 )
 
-from bath_drake.control.world import World, contain, inflated, join_areas
+from bath_drake.composition.chain import Chain
+from bath_drake.control.outlook import Outlook, look_ahead
+from bath_drake.control.world import World
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.systems._ports import eval_value, eval_vector
@@ -19,7 +21,7 @@ from bath_drake.systems.canonical_projector import FRAME_DELAY_S
 
 
 class WorldReconciler(LeafSystem):
-    """Makes one sound world of virtual obstacles and restricted areas.
+    """Makes sound worlds of virtual obstacles and restricted areas.
 
     .. pydrake_system::
 
@@ -28,15 +30,23 @@ class WorldReconciler(LeafSystem):
         - navigation_field
         - sensed_obstacles
         - canonical_reference
+        - remaining_chain (optional)
         output_ports:
         - reconciled_field
         - reconciled_obstacles
+        - reconciled_worlds
+        - restricted_areas
         - world_status
 
     `reconciled_field` is the learned field, its obstacles out of the areas' way;
     `reconciled_obstacles` are the areas. `world_status` is 1 where both together are
-    proved sound and 0 where not: then the robot must hold. The state is the world in
-    force; it is made anew when an area shows that the last one did not allow for
+    proved sound and 0 where not: then the robot must hold. `remaining_chain` is the
+    learned field and those to come: the world of the next is made ahead of time.
+    `reconciled_worlds` is a tuple of every `bath_drake.control.world.World` made so,
+    `restricted_areas` are the areas in force; neither depends on the inputs.
+
+    The state is a `bath_drake.control.outlook.Outlook`: the areas in force and their
+    worlds. They are made anew when an area shows that the last ones did not allow for
     (`slack` is added to each, so that a flicker is not a new world).
     """
 
@@ -61,51 +71,70 @@ class WorldReconciler(LeafSystem):
             "sensed_obstacles", Value(ObstacleSet())
         )
         self._p_NQ = self.DeclareVectorInputPort("canonical_reference", 2)
-        self._world = self.DeclareAbstractState(Value[object]())
-        state = {self.abstract_state_ticket(self._world)}
+        self._chain = self.DeclareAbstractInputPort("remaining_chain", Value[object]())
+        self._outlook = self.DeclareAbstractState(Value[object]())
+        state = {self.abstract_state_ticket(self._outlook)}
         inputs = state | {self._field.ticket()}
-        self.DeclareAbstractOutputPort(
-            "reconciled_field", Value[object], self._calc_field, inputs
-        )
-        self.DeclareAbstractOutputPort(
-            "reconciled_obstacles",
-            lambda: Value(ObstacleSet()),
-            self._calc_obstacles,
-            state,
-        )
-        self.DeclareVectorOutputPort("world_status", 1, self._calc_status, state)
+        for name, calc, tickets in (
+            ("reconciled_field", self._calc_field, inputs),
+            ("reconciled_obstacles", self._calc_obstacles, inputs),
+            ("reconciled_worlds", self._calc_worlds, state),
+            ("restricted_areas", self._calc_areas, state),
+        ):
+            self.DeclareAbstractOutputPort(name, Value[object], calc, tickets)
+        self.DeclareVectorOutputPort("world_status", 1, self._calc_status, inputs)
         # After the areas of the same frame.
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             period, 3.0 * FRAME_DELAY_S, self._reconcile
         )
 
-    def _in_force(self, context: Any) -> World | None:
-        state: Any = context.get_abstract_state(int(self._world))
-        world = state.get_value()
-        return world if isinstance(world, World) else None
+    def _in_force(self, context: Any) -> Outlook | None:
+        state: Any = context.get_abstract_state(int(self._outlook))
+        outlook = state.get_value()
+        return outlook if isinstance(outlook, Outlook) else None
+
+    def _world(self, context: Any) -> World | None:
+        outlook = self._in_force(context)
+        if outlook is None:
+            return None
+        return outlook.world_of(eval_value(self._field, context, NavigationField))
 
     def _reconcile(self, context: Context, state: State) -> EventStatus:
-        areas = eval_value(self._areas, context, ObstacleSet)
-        world = self._in_force(context)
-        if world is not None and contain(world.sensed, areas):
-            return EventStatus.DidNothing()
-        world = join_areas(
-            eval_value(self._field, context, NavigationField),
-            inflated(areas, self._slack),
+        if self._chain.HasValue(context):
+            chain = eval_value(self._chain, context, Chain)
+        else:
+            chain = Chain((eval_value(self._field, context, NavigationField),))
+        before = self._in_force(context)
+        outlook = look_ahead(
+            before,
+            eval_value(self._areas, context, ObstacleSet),
+            chain,
             eval_vector(self._p_NQ, context),
+            slack=self._slack,
         )
-        state.get_mutable_abstract_state(int(self._world)).set_value(world)
+        if outlook is before:
+            return EventStatus.DidNothing()
+        state.get_mutable_abstract_state(int(self._outlook)).set_value(outlook)
         return EventStatus.Succeeded()
 
     def _calc_field(self, context: Any, output: Any) -> None:
-        world = self._in_force(context)
+        world = self._world(context)
         learned = eval_value(self._field, context, NavigationField)
         output.set_value(learned if world is None else world.virtual)
 
     def _calc_obstacles(self, context: Any, output: Any) -> None:
-        world = self._in_force(context)
-        output.set_value(ObstacleSet() if world is None else world.sensed)
+        world, outlook = self._world(context), self._in_force(context)
+        areas = ObstacleSet() if outlook is None else outlook.areas
+        output.set_value(areas if world is None else world.sensed)
+
+    def _calc_worlds(self, context: Any, output: Any) -> None:
+        outlook = self._in_force(context)
+        output.set_value(() if outlook is None else outlook.worlds)
+
+    def _calc_areas(self, context: Any, output: Any) -> None:
+        outlook = self._in_force(context)
+        output.set_value(ObstacleSet() if outlook is None else outlook.areas)
 
     def _calc_status(self, context: Any, output: BasicVector) -> None:
-        world = self._in_force(context)
+        world = self._world(context)
         output.SetAtIndex(0, float(world is not None and world.certificate.passed))

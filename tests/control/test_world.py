@@ -6,14 +6,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bath_drake.certificate.certify import certify_from
-from bath_drake.control.world import (
-    GAP,
-    contain,
-    inflated,
-    join_areas,
-    left_aside,
-    make_room,
-)
+from bath_drake.control.areas import GAP, contain, inflated, make_room
+from bath_drake.control.world import join_areas, left_aside
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace, pair_gaps
 from bath_drake.field.rollout import RolloutStatus, rollout

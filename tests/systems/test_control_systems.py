@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from made_up_skill import crossing_chain
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.analysis import Simulator
 
+from bath_drake.composition.chain import Chain
 from bath_drake.control.approach import ApproachLimits, Phase
 from bath_drake.control.reference import next_reference
 from bath_drake.field.navigation import NavigationField
@@ -79,23 +81,36 @@ def test_the_washing_speed_must_be_positive(speed):
         NavigationController(washing_speed=speed)
 
 
-def test_the_source_gives_the_field_of_its_parameter_and_takes_another():
-    source = VirtualObstacleSource(field=FIELD)
+def test_the_source_gives_the_chain_of_its_parameter_and_takes_another():
+    source = VirtualObstacleSource(chain=Chain((FIELD,)))
     context = source.CreateDefaultContext()
-    port = source.GetOutputPort("navigation_field")
-    np.testing.assert_array_equal(
-        port.Eval(context).obstacles.theta, [[0, 0.1, 0.15, 0.1, 0.3]]
-    )
-    other = FIELD.with_obstacles(SENSED)
-    source.set_field(context, other)
-    np.testing.assert_array_equal(
-        port.Eval(context).obstacles.theta, other.obstacles.theta
-    )
+    port = source.GetOutputPort("navigation_chain")
+    assert port.Eval(context) == Chain((FIELD,))
+    source.set_chain(context, crossing_chain())
+    assert port.Eval(context) == crossing_chain()
+    assert port.Eval(source.CreateDefaultContext()) == Chain((FIELD,))
 
 
-def test_the_source_refuses_more_obstacles_than_it_has_room_for():
-    with pytest.raises(ValueError, match="obstacles"):
-        VirtualObstacleSource(field=FIELD, max_obstacles=0)
+def test_the_source_refuses_more_than_it_has_room_for():
+    with pytest.raises(ValueError, match="1 obstacles, at most 0 fit"):
+        VirtualObstacleSource(chain=Chain((FIELD,)), max_obstacles=0)
+    with pytest.raises(ValueError, match="3 stages, at most 2 fit"):
+        VirtualObstacleSource(chain=crossing_chain(), max_stages=2)
+
+
+def test_the_controller_slows_only_where_nothing_comes_after(
+    controller, controller_context
+):
+    near = FIELD.goal + np.array([-0.05, 0.0])
+    controller.GetInputPort("canonical_position").FixValue(controller_context, near)
+    port = controller.GetOutputPort("canonical_velocity")
+    speeds = []
+    for final in (0.0, 1.0):
+        controller.GetInputPort("final_stage").FixValue(controller_context, [final])
+        v_NQ = port.Eval(controller_context)
+        speeds.append(np.linalg.norm(v_NQ * MAP.half_extents))
+    # Half the slow radius away; 1e-12: a few roundings.
+    np.testing.assert_allclose(speeds, [0.07, 0.035], rtol=1e-12)
 
 
 @pytest.fixture

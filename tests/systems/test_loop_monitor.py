@@ -21,6 +21,7 @@ FAR = np.array([-0.5, 0.1])
 PORTS = {
     "canonical_position",
     "navigation_field",
+    "final_stage",
     "phase",
     "nozzle_pose",
     "surface_patch",
@@ -43,7 +44,14 @@ class Run:
     """A monitor that is shown one unchanging situation."""
 
     def __init__(
-        self, *, position=FAR, phase=Phase.WASH, clearance=0.06, valid=True, period=0.02
+        self,
+        *,
+        position=FAR,
+        phase=Phase.WASH,
+        clearance=0.06,
+        valid=True,
+        final=True,
+        period=0.02,
     ):
         self.monitor = LoopMonitor(bounds=BOUNDS, period=period)
         self.simulator = Simulator(self.monitor)
@@ -52,6 +60,7 @@ class Run:
         for name, value in (
             ("canonical_position", position),
             ("navigation_field", FIELD),
+            ("final_stage", [float(final)]),
             ("phase", [float(phase)]),
             ("nozzle_pose", X_WE),
             ("surface_patch", make_patch(valid)),
@@ -109,6 +118,7 @@ def test_too_close_goes_before_the_goal():
         {"position": FIELD.goal + np.array([0.021, 0.0])},
         {"position": FIELD.goal, "phase": Phase.REACH},
         {"position": FIELD.goal, "phase": Phase.DESCEND},
+        {"position": FIELD.goal, "final": False},
         {"clearance": 0.021},
         # Skin that was not seen says nothing about the distance.
         {"clearance": 0.0, "valid": False},

@@ -21,6 +21,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, InputPortSelection
 from pydrake.systems.primitives import Integrator
 
+from bath_drake.composition.chain import Chain
 from bath_drake.field import generic
 from bath_drake.field.generic import GenericField
 from bath_drake.field.navigation import (
@@ -81,13 +82,13 @@ def test_every_port_gives_the_pure_function(dut):
     np.testing.assert_array_equal(found["beta"], [*betas, 1.0, 1.0])
 
 
-def test_the_parameter_is_the_virtual_obstacle_sources(dut):
-    source = VirtualObstacleSource(field=OTHER, max_obstacles=4)
+def test_the_parameter_is_a_part_of_the_virtual_obstacle_sources(dut):
+    source = VirtualObstacleSource(chain=Chain((OTHER,)), max_stages=1, max_obstacles=4)
     there = source.CreateDefaultContext().get_numeric_parameter(0)
     context = fixed(dut, P_NQ)
     before = outputs(dut, context)["phi"]
     theta = context.get_mutable_numeric_parameter(0)
-    theta.SetFromVector(there.CopyToVector())
+    theta.SetFromVector(there.CopyToVector()[1:-5])
     np.testing.assert_allclose(outputs(dut, context)["phi"], phi(P_NQ, OTHER))
     dut.set_field(context, FIELD)
     assert outputs(dut, context)["phi"] == before

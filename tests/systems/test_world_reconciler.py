@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from bath_drake.control.world import inflated, join_areas
+from bath_drake.control.areas import inflated
+from bath_drake.control.world import join_areas
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.systems.world_reconciler import WorldReconciler
