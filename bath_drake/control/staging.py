@@ -25,8 +25,8 @@ MOVED_RADIUS = 0.06
 _REACH, _STEP, _DIRECTIONS = 0.6, 0.02, 36
 # A place beyond the old goal counts as so much farther than one before it.
 _BEYOND = 0.5
-# beta_0 of a place that is well inside the workspace.
-_INSIDE = 0.1
+# beta_0 of a place well inside the workspace, |x| and |y| of one well on the body.
+_INSIDE, _ON_BODY = 0.1, 0.9
 
 
 def around_areas(chain: Chain, areas: ObstacleSet) -> Chain:
@@ -107,7 +107,7 @@ def _free_place(
     rays = np.stack([np.cos(turns), np.sin(turns)], axis=-1)
     shifts = (lengths[:, None, None] * rays).reshape(-1, 2)
     places = field.goal + shifts
-    free = _clear(places, areas, GAP)
+    free = _clear(places, areas, GAP) & (np.abs(places).max(axis=-1) <= _ON_BODY)
     # The gate reaches one and a half radii from the goal, backwards and sideways less.
     for other, distance in ((field, GAP), (after, 1.5 * MOVED_RADIUS)):
         free &= _clear(places, other.obstacles, distance)
