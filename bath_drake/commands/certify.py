@@ -1,4 +1,4 @@
-"""`bath-drake certify`: is a field proved free of traps?"""
+"""`bath-drake certify`: are fields and chains proved free of traps?"""
 
 import argparse
 import json
@@ -7,10 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bath_drake.certificate.result import Certificate
-    from bath_drake.field.navigation import NavigationField
-    from bath_drake.learning.skill import Skill
-    from bath_drake.notation import FloatArray
+    from bath_drake.commands._certification import Certification
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,11 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Returns 0 if all free space is proved free of traps, 1 otherwise.
 
-    A skill's start must lie in free space too. Where a skill's field is not proved as a
-    whole, `from_start` says what is proved of its start alone.
+    A skill's starts must lie in free space too. Where a skill is not proved as a
+    whole, `from_start` says what is proved of its starts alone. Composed skills, and
+    lists of fields, are proved as chains.
     """
     from tqdm import tqdm
 
+    from bath_drake.commands._certification import certify_file
     from bath_drake.skill_file import certified, save_skill
     from bath_drake.yaml_io import write_atomically
 
@@ -54,49 +53,21 @@ def run(options: argparse.Namespace) -> int:
         leave=False,
         disable=not sys.stderr.isatty(),
     ) as bar:
-        skill, field, certificate, data = _certify(options.file, options.renew)
-        text = _strict_json(options.file, data)
+        found = certify_file(options.file, options.renew)
+        text = _strict_json(options.file, found.to_mapping())
         bar.update()
         if picture is not None:
-            start = None if skill is None else skill.start
-            _write_picture(picture, field, certificate, start)
+            _write_picture(picture, found)
             bar.update()
     if options.renew:
-        assert skill is not None  # _certify refused what is none
-        save_skill(options.file, certified(skill, certificate))
+        assert found.skill is not None  # certify_file refused what is none
+        save_skill(options.file, certified(found.skill, *found.certificates))
     if options.output is None:
         print(text)
     else:
         write_atomically(options.output, text + "\n")
-        print(f"{certificate.verdict}: {certificate.reason}")
-    return 0 if certificate.passed else 1
-
-
-def _certify(
-    path: str, renew: bool
-) -> tuple["Skill | None", "NavigationField", "Certificate", dict[str, Any]]:
-    """The file's skill, if it is one, its field, the certificate, and all to print."""
-    from bath_drake.certificate.certify import certify
-    from bath_drake.certificate_file import certificate_to_mapping
-    from bath_drake.errors import SkillFileError
-    from bath_drake.skill_file import (
-        field_to_mapping,
-        is_skill_file,
-        load_field,
-        load_skill,
-    )
-
-    if is_skill_file(path):
-        skill = load_skill(path, renew=renew)
-        certificate, data = _certify_skill(skill.field, skill.start)
-        field = skill.field
-    elif renew:
-        raise SkillFileError(f"{path}: --renew is for skills, this is none")
-    else:
-        skill, field = None, load_field(path)
-        certificate = certify(field)
-        data = certificate_to_mapping(certificate, field_to_mapping(field))
-    return skill, field, certificate, data | {"seconds": certificate.seconds}
+        print(found.summary)
+    return 0 if found.passed else 1
 
 
 def _strict_json(path: str, data: dict[str, Any]) -> str:
@@ -131,37 +102,22 @@ def _check_outputs(options: argparse.Namespace) -> Path | None:
     return picture
 
 
-def _certify_skill(
-    field: "NavigationField", start: "FloatArray"
-) -> tuple["Certificate", dict[str, Any]]:
-    """The whole field's certificate, unless the start is not free; and its mapping."""
-    from bath_drake.certificate.certify import certify, certify_from
-    from bath_drake.certificate_file import certificate_to_mapping
-    from bath_drake.skill_file import field_to_mapping
-
-    own = certify_from(field, start)
-    # Without a region it is of the whole field, or says that the start is not free.
-    certificate = own if own.region is None else certify(field)
-    data = certificate_to_mapping(certificate, field_to_mapping(field))
-    if own.region is not None:
-        data["from_start"] = certificate_to_mapping(own, field_to_mapping(field))
-    return certificate, data
-
-
-def _write_picture(
-    path: Path,
-    field: "NavigationField",
-    certificate: "Certificate",
-    start: "FloatArray | None",
-) -> None:
+def _write_picture(path: Path, found: "Certification") -> None:
     from bath_drake.errors import BathDrakeError
     from bath_drake.report import style
     from bath_drake.report.certificate_figure import draw_certificate
+    from bath_drake.report.chain_certificate_figure import draw_chain_certificates
     from bath_drake.yaml_io import write_atomically
 
     def save(temporary: Path) -> None:
         figure.savefig(temporary, format="png", dpi=130, metadata={"Software": None})
 
     with style.figure_style():
-        figure = draw_certificate(field, certificate, start)
+        if found.is_single:
+            stage, start = found.certificates[0].stages[0], [*found.starts, None][0]
+            figure = draw_certificate(found.chains[0].fields[0], stage, start)
+        else:
+            figure = draw_chain_certificates(
+                found.chains, found.certificates, found.starts
+            )
         write_atomically(path, save, error=BathDrakeError)

@@ -40,7 +40,7 @@ _MARKS = {
     "maximum": ("^", style.DEMONSTRATION, "maximum"),
     "degenerate": ("P", style.RESTRICTED, "degenerate"),
 }
-_VERDICTS = {"proved": style.PASS, "refuted": style.FAIL, "undecided": "#9a6b00"}
+VERDICTS = {"proved": style.PASS, "refuted": style.FAIL, "undecided": "#9a6b00"}
 # A box narrower than this share of the picture is drawn as large, to be seen.
 _SMALLEST = 0.035
 
@@ -62,16 +62,16 @@ def draw_certificate(
     figure = style.new_figure(7.1, width=10.4)
     figure.set_layout_engine("constrained", h_pad=0.12, w_pad=0.08)
     axes = figure.subplots()
-    handles: list[Artist] = [*_draw_basins(axes, field, certificate)]
+    handles: list[Artist] = [*draw_basins(axes, field, certificate)]
     draw_flow(axes, field, shade=False)
     learned = len(field.obstacles) - sensed
     theta = field.obstacles.theta
     draw_obstacles(axes, ObstacleSet(theta[:learned]), "obstacle")
     areas = ObstacleSet(theta[learned:])
     draw_obstacles(axes, areas, "restricted area", style.RESTRICTED)
-    handles += _draw_region(axes, field, certificate)
-    handles += _draw_boxes(axes, field, certificate)
-    _draw_points(axes, certificate)
+    handles += draw_region(axes, field, certificate)
+    handles += draw_boxes(axes, field, certificate)
+    draw_points(axes, certificate)
     _draw_ways_into_traps(axes, field, certificate)
     common: dict[str, Any] = {"mec": "white", "mew": 0.9, "ls": "", "zorder": 6}
     if start is not None:
@@ -108,10 +108,12 @@ class _Basins:
         return float(np.mean(free == kind)) if free.size else 0.0
 
 
-def _find_basins(field: NavigationField, certificate: Certificate) -> _Basins:
+def _find_basins(
+    field: NavigationField, certificate: Certificate, count: int
+) -> _Basins:
     """Rolls out from the middle of every cell of the workspace's box."""
     centre, semi = field.workspace.centre, field.workspace.semi_axes
-    t = (np.arange(_STARTS) + 0.5) / _STARTS * 2.0 - 1.0
+    t = (np.arange(count) + 0.5) / count * 2.0 - 1.0
     x, y = np.meshgrid(centre[0] + semi[0] * t, centre[1] + semi[1] * t)
     starts = np.stack([x.ravel(), y.ravel()], axis=1)
     kinds = np.full(len(starts), -1)
@@ -124,7 +126,7 @@ def _find_basins(field: NavigationField, certificate: Certificate) -> _Basins:
         for status, end in zip(statuses, ends, strict=True)
     ]
     low, high = centre - semi, centre + semi
-    return _Basins((low[0], high[0], low[1], high[1]), kinds.reshape(_STARTS, _STARTS))
+    return _Basins((low[0], high[0], low[1], high[1]), kinds.reshape(count, count))
 
 
 def _end_kind(end: FloatArray, certificate: Certificate) -> int:
@@ -136,10 +138,11 @@ def _end_kind(end: FloatArray, certificate: Certificate) -> int:
     return _TRAP if nearest.kind == "minimum" else _STALLED
 
 
-def _draw_basins(
-    axes: Axes, field: NavigationField, certificate: Certificate
+def draw_basins(
+    axes: Axes, field: NavigationField, certificate: Certificate, count: int = _STARTS
 ) -> list[Patch]:
-    basins = _find_basins(field, certificate)
+    """Colours starts by where they end, ``count`` a side; returns the legend's part."""
+    basins = _find_basins(field, certificate, count)
     # Cells cut by a boundary look like their neighbours, up to the boundary.
     beside = grey_dilation(basins.kinds, size=(3, 3))
     kinds = np.where(basins.kinds < 0, beside, basins.kinds)
@@ -167,7 +170,7 @@ def _draw_basins(
     return handles
 
 
-def _draw_region(
+def draw_region(
     axes: Axes, field: NavigationField, certificate: Certificate
 ) -> list[Line2D]:
     """The rim of the certified sublevel set, where it is not all free space."""
@@ -188,7 +191,7 @@ def _draw_region(
     return [Line2D([], [], color=style.PASS, lw=2.2, label=label)]
 
 
-def _draw_boxes(
+def draw_boxes(
     axes: Axes, field: NavigationField, certificate: Certificate
 ) -> list[Patch]:
     """Boxes of traps and of doubts; tiny ones as frames around them."""
@@ -231,7 +234,8 @@ def _widths(boxes: Iterable[Box]) -> str:
     return f"{many} {max(widths):.1g} wide"
 
 
-def _draw_points(axes: Axes, certificate: Certificate) -> None:
+def draw_points(axes: Axes, certificate: Certificate) -> None:
+    """Marks the critical points, with labels."""
     for kind, (mark, colour, text) in _MARKS.items():
         points = [(p.x, p.y) for p in certificate.critical_points if p.kind == kind]
         if points:
@@ -262,7 +266,7 @@ def _draw_ways_into_traps(
 def _write_title(
     figure: Figure, field: NavigationField, certificate: Certificate
 ) -> None:
-    colour = _VERDICTS[certificate.verdict]
+    colour = VERDICTS[certificate.verdict]
     figure.suptitle(
         textwrap.fill(f"{certificate.verdict.upper()}: {certificate.reason}", 84),
         color=colour,
