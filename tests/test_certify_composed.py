@@ -114,8 +114,8 @@ def test_a_gate_in_an_obstacle_is_shown_where_it_is(tmp_path, capsys):
     panels = [axes for axes in figure.axes if axes.get_visible()]
     titles = [axes.get_title(loc="left") for axes in panels]
     assert titles == ["Stage 0: proved", "Stage 1: proved", "Stage 2: proved"]
-    assert "Gate in refuted" in " ".join(panels[1].get_xlabel().split())
-    assert figure._suptitle.get_text().startswith("REFUTED")  # its only way to it
+    assert "Gate in: refuted" in " ".join(panels[1].get_xlabel().split())
+    assert figure.get_suptitle().startswith("REFUTED: gate 0")
     (legend,) = figure.legends
     said = {text.get_text() for text in legend.get_texts()}
     assert {"obstacle", "saddle", "goal", "way of the start"} <= said

@@ -144,9 +144,9 @@ def _write_facts(axes: Axes, certificate: ChainCertificate, k: int, name: str) -
     facts = stage.reason
     if k > 0:
         passage = certificate.handovers[k - 1]
-        facts += f". Gate in {passage.verdict}: {passage.reason}"
+        facts += f". Gate in: {passage.verdict}, {passage.reason}"
         if passage.arrival != "not shown":
             facts += f"; {passage.arrival} motion through it arrives"
-    text = textwrap.fill(facts + ".", 58)
+    text = textwrap.fill(facts + ".", 48)
     # As part of the label, so that the layout leaves room for it.
     axes.set_xlabel(f"canonical x [–]\n\n{text}", size=8.5)
