@@ -1,18 +1,21 @@
-"""Movement primitives of the library movement_primitives, under the same protocol.
+"""Other methods under the same protocol.
 
-Both follow a clock, at the demonstrations' own timing, so they can do what no field of
-position can; neither proves anything.
+The paper's learner is `bath_drake.learning.paper`. The movement primitives are those of
+the library movement_primitives; both follow a clock, at the demonstrations' own timing,
+so they can do what no field of position can, and neither proves anything.
 """
 
 import numpy as np
 
 from bath_drake.benchmarks.methods import (
     blended_mean,
+    learner,
     mean_demonstration,
     straight_line,
 )
 from bath_drake.benchmarks.reproduction import POINTS, Learned, Method, Shape
 from bath_drake.errors import BathDrakeError
+from bath_drake.learning.config import LearnerConfig
 from bath_drake.notation import FloatArray
 
 DMP_WEIGHTS = 50
@@ -20,12 +23,15 @@ PROMP_WEIGHTS = 30
 # Of start and goal. Less is worse in-sample and, where a start is outside what few
 # demonstrations span, far worse held out; ten times more helps that, but not the rest.
 VARIANCE = 1e-5
+PAPER = "paper"
+# Half of what it breeds by default: a benchmark is to be a matter of minutes.
+PAPER_GENERATIONS = 40
 # What the extra `bench` holds: an installed checkout is not asked for its extras.
 INSTALL = "pip install movement-primitives pytransform3d"
 
 
-def peers() -> dict[str, Method]:
-    """Every other method by name.
+def peers(quick: bool = False) -> dict[str, Method]:
+    """Every other method by name; ``quick`` as in `LearnerConfig.quick`.
 
     Raises:
         BathDrakeError: The library is missing.
@@ -38,7 +44,9 @@ def peers() -> dict[str, Method]:
             f"--peers: the package {problem.name} is missing, install it with: "
             f"{INSTALL}"
         ) from None
+    full = LearnerConfig(method="paper", generations=PAPER_GENERATIONS)
     return {
+        PAPER: learner(LearnerConfig.quick(method="paper") if quick else full),
         "line": straight_line,
         "mean": mean_demonstration,
         "blended_mean": blended_mean,

@@ -7,7 +7,7 @@ import numpy as np
 
 from bath_drake.benchmarks.figures import Figure, Progress, Report, Settings
 from bath_drake.benchmarks.methods import learner
-from bath_drake.benchmarks.peers import peers
+from bath_drake.benchmarks.peers import PAPER, peers
 from bath_drake.benchmarks.reproduction import Method, Score, Shape, evaluate
 from bath_drake.benchmarks.shape_files import lasa_shapes, stroke_shapes
 from bath_drake.learning.config import LearnerConfig
@@ -23,8 +23,8 @@ FIT_SECONDS = 5.0
 # The paper's sinusoid and a stroke of five reversals, from the mean start to the mean;
 # a figure of eight to each demonstration.
 SINE, ZIGZAG, FIGURE_EIGHT = 0.010, 0.040, 0.050
-# What the learner costs, in units of a peer's, for the progress bar.
-_COST = 20.0
+# What the learners cost, in units of another peer's, for the progress bar.
+_COST = {OWN: 20.0, PAPER: 20.0}
 
 
 def run_strokes(settings: Settings, progress: Progress) -> Report:
@@ -74,7 +74,7 @@ def score(
     for name, method in _methods(settings, quick=True).items():
         progress(f"warming up {name}", 0.0)
         evaluate(name, method, _warm_up())
-    cost = {name: _COST if name == OWN else 1.0 for name in methods}
+    cost = {name: _COST.get(name, 1.0) for name in methods}
     done, total = 0.0, len(shapes) * sum(cost.values())
     scores = []
     for shape in shapes:
@@ -89,7 +89,7 @@ def score(
 def _methods(settings: Settings, quick: bool = False) -> dict[str, Method]:
     quick = quick or settings.quick
     config = LearnerConfig.quick() if quick else LearnerConfig()
-    others = peers() if settings.peers else {}
+    others = peers(quick) if settings.peers else {}
     return {OWN: learner(config), **others}
 
 
