@@ -172,15 +172,17 @@ def _with_arrival(
 ) -> Handover:
     """Adds to gate k how many of its points go on to where they should.
 
-    Where gates overlap, points of this one's boundary are passed on at once, to later
-    fields than the next; these must cross it too.
+    Exceptions of the next field are not only its saddles' curves but those, too, that
+    lead to a later field's exceptions. Where gates overlap, points of this one's
+    boundary are passed on at once to later fields than the next; these must cross it
+    as well.
     """
     if passage.clearance is None:
         return passage
     gates = np.stack([gate.as_array() for gate in chain.gates])
     for j in range(k + 1, len(worlds)):
-        if alone[j - 1]:
-            continue  # no stable curve of field j meets the gate into it
+        if all(alone[j - 1 :]):
+            continue  # from the gate into field j on, every motion arrives
         status, _ = boundary_is_crossed(
             worlds[j], gates[k], gates[k + 1 : j], _CROSSING_BUDGET
         )
@@ -188,8 +190,9 @@ def _with_arrival(
             break
         if status == NOT_SHOWN:
             reason = (
-                f"a curve of stage {j} that ends at a saddle may run along the gate's "
-                "boundary: a gate moved or turned a little decides"
+                f"a curve of stage {j} that ends at a saddle, or leads to a later "
+                "stage's, may run along the gate's boundary: a gate moved or turned a "
+                "little decides"
             )
             if passage.verdict == "proved":
                 passage = replace(passage, verdict="undecided", reason=reason)

@@ -2,10 +2,11 @@
 
 Each field's goal but the last lies within its gate, a half-disc; the motion follows a
 field until it is in the field's gate and then, for good, the next. Where every field
-is proved and every gate lies in the free space of the next, almost every start in the
-first field's free space reaches the last goal (after Burridge, Rizzi and Koditschek,
-Sequential composition of dynamically dexterous robot behaviors, 1999; here the
-funnels' mouths are the proved fields' whole free spaces). See docs/certificate.md.
+is proved and every gate lies in the free space of the next and is crossed by its flow,
+almost every start in the first field's free space reaches the last goal (after
+Burridge, Rizzi and Koditschek, Sequential composition of dynamically dexterous robot
+behaviors, 1999; here the funnels' mouths are the proved fields' whole free spaces).
+See docs/certificate.md.
 """
 
 from dataclasses import dataclass

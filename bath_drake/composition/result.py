@@ -30,9 +30,10 @@ class Handover:
         clearance: Proved lower bound of the least beta_j of the next field over the
             closed gate, positive; None if there is none.
         level: Proved upper bound of the next field's psi over the gate; None as above.
-        arrival: Which points of the gate the next stage brings to its goal, if it is
-            proved: 'every' if no other critical point lies as low as the gate reaches;
-            'almost every' if no stable curve can run along the gate's boundary.
+        arrival: Which motions that enter the gate the next stage brings to its goal:
+            'every' if no other critical point lies as low as the gate reaches, else
+            'almost every'; 'not shown' where a curve that ends at a saddle, of this or
+            a later stage, may run along the gate's boundary.
         witness: For 'refuted' a point of the gate that shows it, else None.
         doubts: Where the proof got stuck.
         boxes: How many boxes were looked at.

@@ -234,6 +234,29 @@ def test_a_gate_turned_or_moved_a_little_is_crossed(turn, offset):
     assert handover.arrival == "almost every"
 
 
+def test_a_curve_to_a_later_field_s_saddle_along_a_gate_is_not_proved():
+    # The second field has no saddle, but leads all that passes the straight side of
+    # gate 0 along the x-axis onto the stable curve of the third.
+    last = make((1.5, 0.0), [0.0, 0.0, 0.3, 0.3, 0.0])
+    fields = (make((-1.4, 0.05)), make((-0.9, 0.0)), last)
+    gates = (
+        Gate(np.array([-1.4, 0.0]), np.array([0.0, 1.0]), 0.15),
+        Gate(np.array([-0.95, 0.0]), FORWARD, 0.1),
+    )
+    chain = Chain(fields, gates)
+    # Motions that enter the straight side off its corners, from below.
+    for start in ([-1.4, -0.5], [-1.35, -0.4]):
+        assert chain_rollout(start, chain, step=1e-3).stages[-1] == 2
+    found = certify_chain(chain)
+    assert found.verdict == "undecided"
+    assert found.handovers[0].arrival == "not shown"
+    assert found.handovers[1].arrival == "almost every"
+    turned = Gate(gates[0].centre, np.array([0.01, 1.0]), 0.15)
+    again = certify_chain(Chain(fields, (turned, gates[1])))
+    assert again.passed
+    assert again.handovers[0].arrival == "every"
+
+
 def test_gates_that_overlap_are_looked_at_together():
     # The straight side of gate 0 lies along the stable curve of the last field, and
     # within gate 1: what passes it goes straight to that field's saddle.
