@@ -180,15 +180,8 @@ def skill_from_result(
     frame: CanonicalFrame,
 ) -> Skill:
     """What is kept of learning: the same result gives the same skill, bit by bit."""
-    starts = np.array([d.points[0] for d in demonstrations]) + result.offsets
-    branch = Branch(
-        chain=Chain((result.field,)),
-        start=result.start,
-        starts=starts,
-        mean=result.mean_demonstration,
-    )
     skill = Skill(
-        branches=(branch,),
+        branches=result.branches,
         seed=result.config.seed,
         config=_plain(asdict(result.config)),
         demonstration_hashes=tuple(d.sha256 for d in demonstrations),
@@ -197,7 +190,7 @@ def skill_from_result(
         frechet=dict(result.frechet),
         finished=result.finished,
     )
-    return certified(skill, result.certificate)
+    return certified(skill, *result.certificates)
 
 
 def skill_to_mapping(skill: Skill) -> dict[str, Any]:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bath_drake.benchmarks.reproduction import Learned, Method, Shape
+from bath_drake.composition.branch import nearest_branch
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.demonstrations.processing import CANONICAL_SPAN
-from bath_drake.field.rollout import rollout
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import GOAL_TOLERANCE
 from bath_drake.learning.learner import learn_skill
@@ -38,14 +39,16 @@ def learner(config: LearnerConfig) -> Method:
         )
 
         def roll_out(start: FloatArray) -> FloatArray:
-            found = rollout(
-                (start - middle) * scale, result.field, goal_tolerance=GOAL_TOLERANCE
-            )
+            own = (start - middle) * scale
+            chain = nearest_branch(result.branches, own).chain_for(own)
+            found = chain_rollout(own, chain, goal_tolerance=GOAL_TOLERANCE)
             path: FloatArray = found.path / scale + middle
             return path
 
         return Learned(
-            roll_out, result.certificate.passed, float(len(result.field.obstacles))
+            roll_out,
+            all(certificate.passed for certificate in result.certificates),
+            float(result.obstacle_count),
         )
 
     return fit

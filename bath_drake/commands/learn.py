@@ -29,6 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--obstacles", default="auto", metavar="N", help="how many, or auto"
     )
+    parser.add_argument(
+        "--fields",
+        choices=["auto", "one", "many"],
+        default="auto",
+        help="one field, a chain of many, or the better (auto)",
+    )
     parser.add_argument("--seed", type=int, default=0, metavar="S")
     parser.add_argument(
         "--resume",
@@ -191,36 +197,46 @@ def _config(options: argparse.Namespace) -> "LearnerConfig":
     make = LearnerConfig.quick if options.quick else LearnerConfig
     try:
         return replace(
-            make(seed=options.seed, method=options.method), obstacles=obstacles
+            make(seed=options.seed, method=options.method),
+            obstacles=obstacles,
+            fields=options.fields,
         )
     except ValueError as problem:
-        raise BathDrakeError(f"--obstacles: {problem}") from None
+        raise BathDrakeError(f"--{problem}") from None
 
 
 def _table(
     result: "LearningResult", demonstrations: Sequence["CanonicalDemonstration"]
 ) -> list[str]:
+    from bath_drake.composition.result import whole_verdict
     from bath_drake.learning.learner import CONVERGED_FRECHET
 
     figures = result.frechet
+    fields = sum(len(branch.chain) for branch in result.branches)
+    verdict, reason = whole_verdict(result.certificates)
     lines = [
         f"converged        {'yes' if result.converged else 'NO'}"
         f"{'' if result.finished else ', UNFINISHED'}",
         f"Frechet to mean  {figures['to_mean']:.4f} (at most {CONVERGED_FRECHET})",
         f"C                {figures['cost']:.4f} (spread of the demonstrations "
         f"{figures['floor']:.4f})",
-        f"obstacles        {len(result.field.obstacles)}",
-        f"verdict          {result.certificate.verdict}: {result.certificate.reason}",
+        f"fields           {fields}"
+        + (f" in {len(result.branches)} branches" if len(result.branches) > 1 else ""),
+        f"obstacles        {result.obstacle_count}",
+        f"verdict          {verdict}: {reason}",
         f"seconds          {result.seconds:.1f}",
     ]
     if result.failures:
         lines.append(f"failed members   {result.failures} (dropped)")
-    for demonstration, distance in zip(
-        demonstrations, result.per_demonstration, strict=True
+    left_out = {outlier.index: outlier.reason for outlier in result.outliers}
+    for i, (demonstration, distance) in enumerate(
+        zip(demonstrations, result.per_demonstration, strict=True)
     ):
         x, y = demonstration.goal_offset
+        said = (
+            f"LEFT OUT, {left_out[i]}" if i in left_out else f"Frechet {distance:.4f}"
+        )
         lines.append(
-            f"  {demonstration.name}: Frechet {distance:.4f}, "
-            f"goal moved by ({-x:+.4f}, {-y:+.4f})"
+            f"  {demonstration.name}: {said}, goal moved by ({-x:+.4f}, {-y:+.4f})"
         )
     return lines

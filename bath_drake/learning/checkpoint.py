@@ -17,9 +17,10 @@ import threading
 import time
 import zlib
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -37,6 +38,30 @@ _INTERVAL = 0.5
 
 class Stopped(Exception):
     """Raised in place of a step that is not begun, since learning is to stop."""
+
+
+class Steps(Protocol):
+    """Where a part of learning keeps its steps."""
+
+    def step(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
+        """As `Checkpoint.step`."""
+
+
+@dataclass(frozen=True)
+class Under:
+    """The steps of one part of learning, under names of their own.
+
+    Attributes:
+        steps: Where they are kept.
+        name: Goes before every key.
+    """
+
+    steps: Steps
+    name: str
+
+    def step(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
+        """As `Checkpoint.step`."""
+        return self.steps.step(f"{self.name}/{key}", compute)
 
 
 class Checkpoint:

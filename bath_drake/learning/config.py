@@ -7,6 +7,7 @@ from bath_drake.learning.cost import ValidityMargins
 from bath_drake.learning.seeding import MAX_OBSTACLES
 
 Method = Literal["auto", "paper"]
+Fields = Literal["auto", "one", "many"]
 
 
 @dataclass(frozen=True)
@@ -21,8 +22,12 @@ class LearnerConfig:
     """'auto': genetic search with multiple shooting as local descent.
     'paper': the paper's own learner (see `bath_drake.learning.paper`), which the seeds,
     the target and the margins do not concern."""
+    fields: Fields = "auto"
+    """'one': a single field. 'many': a chain of fields, of one where that is best.
+    'auto': whichever is cheaper by the criterion of `judge.Judged.price`."""
     obstacles: int | None = None
-    """How many ellipses, 0 to 12; None tries counts from the stroke's bends."""
+    """How many ellipses a single field has, 0 to 12, which then is what is learned;
+    None finds how many are needed."""
     seed: int = 0
     """Seed of the one random generator."""
     population: int | None = None
@@ -31,6 +36,8 @@ class LearnerConfig:
     """Generations for each obstacle count; None: 8 ('auto') or 80 ('paper')."""
     seeds: int = 600
     """First members among which the first population is chosen."""
+    tries: int = 4
+    """Members that descend for each number of obstacles of a chain's stage."""
     target: float = 0.025
     """Fréchet distance to the mean, over the strokes' scale, at which 'auto' is
     content and tries no further obstacle count."""
@@ -44,6 +51,17 @@ class LearnerConfig:
     def __post_init__(self) -> None:
         if self.method not in ("auto", "paper"):
             raise ValueError(f"method must be 'auto' or 'paper', got {self.method!r}")
+        if self.fields not in ("auto", "one", "many"):
+            raise ValueError(
+                f"fields must be 'auto', 'one' or 'many', got {self.fields!r}"
+            )
+        if self.fields == "many" and (
+            self.method == "paper" or self.obstacles is not None
+        ):
+            raise ValueError(
+                "fields must be 'auto' or 'one' for the paper's method and for a given "
+                "number of obstacles, got 'many'"
+            )
         if self.obstacles is not None and not 0 <= self.obstacles <= MAX_OBSTACLES:
             raise ValueError(
                 f"obstacles must be in 0..{MAX_OBSTACLES}, got {self.obstacles}"
@@ -54,12 +72,19 @@ class LearnerConfig:
             raise ValueError(f"generations must be >= 0, got {self.generations}")
         if self.seeds < 1:
             raise ValueError(f"seeds must be >= 1, got {self.seeds}")
+        if self.tries < 1:
+            raise ValueError(f"tries must be >= 1, got {self.tries}")
         if self.points < 20:
             raise ValueError(f"points must be >= 20, got {self.points}")
         if not self.workspace_radius > 0.0:
             raise ValueError(
                 f"workspace_radius must be positive, got {self.workspace_radius}"
             )
+
+    @property
+    def composes(self) -> bool:
+        """Whether chains of fields are tried."""
+        return self.method == "auto" and self.obstacles is None and self.fields != "one"
 
     @classmethod
     def quick(cls, seed: int = 0, method: Method = "auto") -> "LearnerConfig":
@@ -71,6 +96,7 @@ class LearnerConfig:
             population=24 if method == "paper" else 8,
             generations=20 if method == "paper" else 2,
             seeds=100,
+            tries=2,
             target=0.05,
             points=100,
         )

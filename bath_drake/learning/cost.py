@@ -1,6 +1,6 @@
 """The cost of a candidate: C(theta) and what keeps it valid (paper, Sec. III-C)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -83,6 +83,8 @@ class LearningProblem:
     """Arc length of the roll-outs' steps."""
     grid: int = 6
     """Starts per side of the grid that must arrive."""
+    clear: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    """Further points that obstacles must leave free, shape (n, 2)."""
 
     @cached_property
     def _grid_points(self) -> FloatArray:
@@ -95,8 +97,9 @@ class LearningProblem:
 
     @cached_property
     def clear_points(self) -> FloatArray:
-        """Demonstration points that obstacles must leave free."""
-        return np.ascontiguousarray(self.strokes.points[:, ::3].reshape(-1, 2))
+        """Points that obstacles must leave free, shape (n, 2)."""
+        strokes = self.strokes.points[:, ::3].reshape(-1, 2)
+        return np.concatenate([strokes, self.clear])
 
     @property
     def max_steps(self) -> int:

@@ -1,24 +1,29 @@
-"""Learning a skill: from strokes to a field whose flow reproduces them."""
+"""Learning a skill: from strokes to fields whose flow reproduces them."""
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bath_drake.certificate.certify import certify
-from bath_drake.certificate.result import Certificate
+from bath_drake.composition.branch import Branch
+from bath_drake.composition.chain import Chain
+from bath_drake.composition.result import ChainCertificate
+from bath_drake.composition.rollout import ChainRollout
 from bath_drake.errors import DemonstrationError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
-from bath_drake.field.rollout import Rollout, RolloutStatus, rollout
-from bath_drake.learning import genome, search
-from bath_drake.learning.checkpoint import Checkpoint, Stopped
+from bath_drake.learning import composer, genome, search
+from bath_drake.learning.alignment import align
+from bath_drake.learning.checkpoint import Checkpoint, Stopped, Under
 from bath_drake.learning.config import LearnerConfig
-from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem
+from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.frechet import discrete_frechet
+from bath_drake.learning.grouping import Outlier, group_strokes
+from bath_drake.learning.judge import Judged, judge
+from bath_drake.learning.responses import fit_conditioning
 from bath_drake.learning.seeding import obstacle_counts
-from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes
+from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes, subset
 from bath_drake.notation import FloatArray
 
 CONVERGED_FRECHET = 0.10
@@ -33,66 +38,68 @@ class LearningResult:
     """What learning gave.
 
     Attributes:
-        field: The learned field.
-        start: Mean start of the demonstrations, shape (2,), in N.
+        branches: What was learned: one way of doing the stroke, or one for each way
+            that the demonstrations go, the one with most of them first.
+        certificates: Of each branch's chain for its mean start.
         scale: Longest side of the demonstrations' joint box, in N.
-        frechet: Discrete Fréchet distances. 'to_mean': roll-out from the mean
-            start to the demonstrations' arc-length mean; 'cost': the paper's C, each
-            demonstration against the roll-out from its own start, mean;
-            'floor': the demonstrations against their mean, mean; these over the
-            scale. 'to_mean_raw': in units of N.
-        per_demonstration: The terms of C over the scale.
+        frechet: Discrete Fréchet distances over the scale, means over the
+            demonstrations. 'to_mean': roll-out from the mean start to the
+            demonstrations' mean; 'cost': the paper's C, each demonstration against the
+            roll-out from its own start; 'floor': the demonstrations against their mean.
+            'to_mean_raw': in units of N.
+        per_demonstration: The terms of C; NaN for outliers.
         offsets: How far each demonstration was moved onto the common goal, (D, 2).
+        outliers: Demonstrations that were left out, each with the reason.
         cost_history: (members evaluated so far, best C over the scale so far).
-        rollout: From the mean start.
-        mean_demonstration: Shape (T, 2).
-        certificate: Whether all free space is proved free of traps.
-        converged: Whether every roll-out arrives, which puts every start in free
-            space, the field is proved and 'to_mean' is at most 0.10.
-        finished: Whether learning came to its end, not stopped before.
+        rollouts: From each branch's mean start.
+        converged: Whether every roll-out arrives, every chain is proved (that of the
+            mean start and those of the demonstrations' starts), 'to_mean' is at most
+            0.10 for every branch, and learning was not stopped.
+        finished: Whether learning came to its end; if not, this is the best so far.
         failures: Members that were dropped because they had no finite cost.
         seconds: Time taken.
         config: What was asked for.
     """
 
-    field: NavigationField
-    start: FloatArray
+    branches: tuple[Branch, ...]
+    certificates: tuple[ChainCertificate, ...]
     scale: float
     frechet: dict[str, float]
     per_demonstration: tuple[float, ...]
     offsets: FloatArray
+    outliers: tuple[Outlier, ...]
     cost_history: tuple[tuple[int, float], ...]
-    rollout: Rollout
-    mean_demonstration: FloatArray
-    certificate: Certificate
+    rollouts: tuple[ChainRollout, ...]
     converged: bool
     finished: bool
     failures: int
     seconds: float
     config: LearnerConfig
 
-
-@dataclass(frozen=True, eq=False)
-class _Judged:
-    """A field and its figures."""
-
-    field: NavigationField
-    main: Rollout
-    to_mean: float
-    distances: tuple[float, ...]
-    arrives: bool
-    certificate: Certificate
+    @property
+    def start(self) -> FloatArray:
+        """Mean start of the first branch, shape (2,), in N."""
+        return self.branches[0].start
 
     @property
-    def valid(self) -> bool:
-        """Whether the field is proved and every roll-out arrives."""
-        return self.arrives and self.certificate.passed
+    def chain(self) -> Chain:
+        """The first branch's, for its mean start."""
+        return self.branches[0].chain
 
     @property
-    def rank(self) -> tuple[bool, float]:
-        """Valid fields first, then the closer; an obstacle costs 0.0005."""
-        badness = self.to_mean + float(np.mean(self.distances))
-        return not self.valid, badness + 0.001 * len(self.field.obstacles)
+    def rollout(self) -> ChainRollout:
+        """From the first branch's mean start."""
+        return self.rollouts[0]
+
+    @property
+    def mean_demonstration(self) -> FloatArray:
+        """The first branch's, shape (T, 2)."""
+        return self.branches[0].mean
+
+    @property
+    def obstacle_count(self) -> int:
+        """Of all fields of all branches."""
+        return sum(branch.chain.obstacle_count for branch in self.branches)
 
 
 def learn_skill(
@@ -103,77 +110,163 @@ def learn_skill(
 ) -> LearningResult:
     """Finds virtual obstacles whose flow reproduces the demonstrations.
 
-    The same demonstrations, configuration and seed give the same field, bit by bit,
-    on one machine: on any number of its cores, and whether learning was interrupted
-    and continued from its checkpoint or not.
+    The same demonstrations, configuration and seed give the same fields, bit by bit,
+    on one machine, on any number of its cores and however often it was interrupted.
 
     Args:
         demonstrations: Canonical strokes (see `strokes.Stroke`), one or more.
         config: Effort and method.
         progress: Told of every step.
-        checkpoint: Keeps what has been computed; its `stop` ends learning with the
-            best field so far.
+        checkpoint: Where finished steps are kept. If it is told to stop, learning
+            returns the best so far.
 
     Returns:
-        The best field found. A stroke that one field cannot hold, such as one that
-        crosses itself, ends with ``converged`` False and the best there is.
+        The best found. A stroke that could not be learned ends with ``converged``
+        False and the best there is.
 
     Raises:
         DemonstrationError: A stroke cannot be used, or leaves the workspace.
-        CheckpointError: The checkpoint cannot be written.
+        CheckpointError: The checkpoint's file cannot be written.
     """
     begin = time.perf_counter()
     config = config or LearnerConfig()
+    checkpoint = checkpoint or Checkpoint()
     strokes = gather_strokes(demonstrations, config.points)
     radius = config.workspace_radius
     workspace = Workspace(np.zeros(2), np.array([radius, radius]))
     _check_reach(demonstrations, strokes, workspace)
-    problem = LearningProblem(strokes, workspace, config.margins)
-    counts = _counts(strokes, config)
-    journal = search.Journal(
-        len(counts), strokes.scale, progress, checkpoint or Checkpoint()
-    )
-    best: _Judged | None = None
-    finished = True
-    try:
-        for count in counts:
-            for field in search.candidates(problem, count, config, journal):
-                judged = _judge(field, strokes)
-                if best is None or judged.rank < best.rank:
-                    best = judged
-            if best is not None and best.valid and best.to_mean <= config.target:
-                break
+    names = [stroke.name for stroke in demonstrations]
+    groups, outliers = group_strokes(strokes.points, strokes.scale, names)
+    journal = search.Journal(2 * len(groups), strokes.scale, progress)
+    learned, finished = [], True
+    for g, group in enumerate(groups):
+        journal.turn_to(Under(checkpoint, f"group {g}"))
+        task = _Task(subset(strokes, group), workspace, config, journal, g)
+        best, stopped = task.learn()
+        finished = finished and not stopped
+        learned.append(best)
+    if finished:
         journal.finish()
-    except Stopped:
-        finished = False
-    if best is None or not finished:
-        # The straight way to the goal, where there is nothing better yet.
-        x = np.array([0.7]) if journal.best is None else journal.best
-        judged = _judge(genome.decode(x, workspace, strokes.goal), strokes)
-        if best is None or judged.rank < best.rank:
-            best = judged
+    distances = np.full(len(demonstrations), np.nan)
+    floors = np.full(len(demonstrations), np.nan)
+    for group, best in zip(groups, learned, strict=True):
+        distances[group] = best.distances
+        mean, points = best.branch.mean, strokes.points[group]
+        floors[group] = [discrete_frechet(mean, p) / strokes.scale for p in points]
+    shares = [len(group) for group in groups]
+    to_mean = float(np.average([best.to_mean for best in learned], weights=shares))
     return LearningResult(
-        field=best.field,
-        start=strokes.points[:, 0].mean(axis=0),
+        branches=tuple(best.branch for best in learned),
+        certificates=tuple(best.certificate for best in learned),
         scale=strokes.scale,
         frechet={
-            "to_mean": best.to_mean,
-            "to_mean_raw": best.to_mean * strokes.scale,
-            "cost": float(np.mean(best.distances)),
-            "floor": strokes.floor,
+            "to_mean": to_mean,
+            "to_mean_raw": to_mean * strokes.scale,
+            "cost": float(np.nanmean(distances)),
+            "floor": float(np.nanmean(floors)),
         },
-        per_demonstration=best.distances,
+        per_demonstration=tuple(distances.tolist()),
         offsets=strokes.offsets,
+        outliers=outliers,
         cost_history=tuple(journal.history),
-        rollout=best.main,
-        mean_demonstration=strokes.mean,
-        certificate=best.certificate,
-        converged=best.valid and best.to_mean <= CONVERGED_FRECHET,
+        rollouts=tuple(best.main for best in learned),
+        converged=finished
+        and all(best.valid and best.to_mean <= CONVERGED_FRECHET for best in learned),
         finished=finished,
         failures=journal.failures,
         seconds=time.perf_counter() - begin,
         config=config,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """One way of doing the stroke, to be learned.
+
+    Attributes:
+        strokes: The demonstrations that go this way.
+        workspace: Of every field.
+        config: What was asked for.
+        journal: Keeps steps and tells progress.
+        number: Of the way, for the seeds.
+    """
+
+    strokes: StrokeSet
+    workspace: Workspace
+    config: LearnerConfig
+    journal: search.Journal
+    number: int
+
+    def learn(self) -> tuple[Judged, bool]:
+        """The best branch, and whether learning was stopped before its end."""
+        best: Judged | None = None
+        stopped = False
+        try:
+            for candidate in self._candidates():
+                if best is None or candidate.rank < best.rank:
+                    best = candidate
+        except Stopped:
+            stopped = True
+        if best is None or (stopped and self.journal.best is not None):
+            # The straight way to the goal, where there is nothing better yet.
+            x = np.array([0.7]) if self.journal.best is None else self.journal.best
+            field = genome.decode(x, self.workspace, self.strokes.goal)
+            candidate = self._judged(field)
+            if best is None or candidate.rank < best.rank:
+                best = candidate
+        return best, stopped
+
+    def _candidates(self) -> Iterator[Judged]:
+        if self.config.composes:
+            yield from self._chains()
+        if self.config.fields != "many":
+            yield from self._singles()
+
+    def _chains(self) -> Iterator[Judged]:
+        aligned = align(self.strokes.points)
+        ways = composer.plans(aligned)
+        self.journal.plan(len(ways))
+        for way in ways:
+            branch, evaluations = composer.compose(
+                aligned,
+                way,
+                self.workspace,
+                self.config.margins,
+                (self.config.seed, self.number),
+                self.config.tries,
+                self.journal.checkpoint,
+            )
+            judged = judge(branch, self.strokes.points, self.strokes.scale)
+            self.journal.evaluations += evaluations
+            self.journal.enter(judged.cost)
+            yield judged
+
+    def _singles(self) -> Iterator[Judged]:
+        problem = LearningProblem(self.strokes, self.workspace, self.config.margins)
+        best = np.inf
+        for count in _counts(self.strokes, self.config):
+            found = search.candidates(problem, count, self.config, self.journal)
+            for field in found:
+                judged = self._judged(field)
+                yield judged
+                if judged.valid:
+                    best = min(best, judged.to_mean)
+                if len(self.strokes.points) > 1 and self.config.composes:
+                    yield self._following(judged.branch)
+            if best <= self.config.target:
+                break
+
+    def _following(self, branch: Branch) -> Judged:
+        """The same field, turned and stretched as a whole to fit the start."""
+        aligned = align(self.strokes.points, branch.mean)
+        conditioning = fit_conditioning(aligned, (0, len(branch.mean) - 1))
+        branch = replace(branch, conditioning=conditioning)
+        return judge(branch, self.strokes.points, self.strokes.scale)
+
+    def _judged(self, field: NavigationField) -> Judged:
+        starts = self.strokes.points[:, 0]
+        branch = Branch(Chain((field,)), starts.mean(axis=0), starts, self.strokes.mean)
+        return judge(branch, self.strokes.points, self.strokes.scale)
 
 
 def _check_reach(
@@ -199,20 +292,3 @@ def _counts(strokes: StrokeSet, config: LearnerConfig) -> tuple[int, ...]:
         # The paper fixes the number beforehand: two more than the bends.
         counts = (counts[min(2, len(counts) - 1)],)
     return counts
-
-
-def _judge(field: NavigationField, strokes: StrokeSet) -> _Judged:
-    """Figures of a field by the very roll-outs that reproduce it."""
-    starts = strokes.points[:, 0]
-    main = rollout(starts.mean(axis=0), field, goal_tolerance=GOAL_TOLERANCE)
-    own = [rollout(s, field, goal_tolerance=GOAL_TOLERANCE) for s in starts]
-    pairs = zip(own, strokes.points, strict=True)
-    distances = tuple(discrete_frechet(r.path, d) / strokes.scale for r, d in pairs)
-    return _Judged(
-        field=field,
-        main=main,
-        to_mean=discrete_frechet(main.path, strokes.mean) / strokes.scale,
-        distances=distances,
-        arrives=all(r.status is RolloutStatus.ARRIVED for r in [main, *own]),
-        certificate=certify(field),
-    )

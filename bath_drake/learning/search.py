@@ -8,7 +8,7 @@ import numpy as np
 from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.learning import genome, paper, paper_cost, shooting
-from bath_drake.learning.checkpoint import Arrays, Checkpoint
+from bath_drake.learning.checkpoint import Arrays, Checkpoint, Steps
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.failures import FAILURES, costs_of
@@ -40,7 +40,7 @@ class Journal:
     rounds: int
     scale: float
     progress: Callable[[int, int, float], None] | None
-    checkpoint: Checkpoint = field(default_factory=Checkpoint)
+    checkpoint: Steps = field(default_factory=Checkpoint)
     history: list[tuple[int, float]] = field(default_factory=list)
     evaluations: int = 0
     failures: int = 0
@@ -78,17 +78,25 @@ class Journal:
         """Enters the best member of a step; returns its C over the scale."""
         costs = problem.evaluate(x[None])
         cost = float(costs.demonstration_cost[0]) / self.scale
-        self.enter(x, cost, float(costs.total[0]))
+        self.enter(cost, x, float(costs.total[0]))
         return cost
 
-    def enter(self, x: FloatArray, cost: float, total: float) -> None:
-        """Enters a step's best member, its C over the scale, and with penalties."""
+    def enter(
+        self, cost: float, x: FloatArray | None = None, total: float = np.inf
+    ) -> None:
+        """Enters a step's C over the scale, its best member and that's cost in all."""
         if total < self._least:
             self.best, self._least = x, total
         best = min(cost, self.history[-1][1]) if self.history else cost
         self.history.append((self.evaluations, best))
         self._done += 1
         self._tell()
+
+    def turn_to(self, checkpoint: Steps) -> None:
+        """Begins something else to learn, with steps of its own."""
+        self.checkpoint = checkpoint
+        self.learned = []
+        self.best, self._least = None, np.inf
 
     def finish(self) -> None:
         """Says that no further step comes."""
@@ -145,7 +153,7 @@ def _search_paper(
     def report(state: Arrays) -> None:
         journal.evaluations = before + int(state["evaluations"][0])
         cost = float(state["best_cost"][0])  # which has no penalties
-        journal.enter(encode(state["best"]), cost / journal.scale, cost)
+        journal.enter(cost / journal.scale, encode(state["best"]), cost)
 
     found = paper.learn(
         problem,

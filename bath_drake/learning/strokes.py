@@ -8,7 +8,7 @@ import numpy as np
 
 from bath_drake.errors import DemonstrationError
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.notation import FloatArray
+from bath_drake.notation import FloatArray, IntArray
 
 
 class Stroke(Protocol):
@@ -98,6 +98,20 @@ def gather_strokes(demonstrations: Sequence[Stroke], count: int = 160) -> Stroke
     scale = float(np.ptp(stacked.reshape(-1, 2), axis=0).max())
     turning = float(np.abs(np.diff(headings(mean))).sum())
     return StrokeSet(stacked, mean, goal, offsets, scale, turning)
+
+
+def subset(strokes: StrokeSet, members: IntArray) -> StrokeSet:
+    """Some of the demonstrations, with a mean of their own; goal and scale stay."""
+    points = strokes.points[members]
+    mean = resample(points.mean(axis=0), points.shape[1])
+    return StrokeSet(
+        points,
+        mean,
+        strokes.goal,
+        strokes.offsets[members],
+        strokes.scale,
+        float(np.abs(np.diff(headings(mean))).sum()),
+    )
 
 
 def headings(curve: FloatArray, share: float = 0.06) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bath_drake.field.rollout import rollout
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.learning import shooting
 from bath_drake.learning.checkpoint import Arrays, Checkpoint
 from bath_drake.learning.config import LearnerConfig, Method
@@ -35,7 +35,7 @@ class Impatient(Checkpoint):
 
 
 def check_same(a: LearningResult, b: LearningResult) -> None:
-    assert a.field == b.field
+    assert [x.chain for x in a.branches] == [x.chain for x in b.branches]
     assert a.cost_history == b.cost_history
     assert a.frechet == b.frechet
     assert (a.finished, a.failures) == (b.finished, b.failures)
@@ -61,12 +61,32 @@ def test_stopped_after_every_step_learning_ends_the_same(
         if not result.finished:
             costs.append(result.frechet["cost"])
             # Whatever there is, it runs; the paper's obstacles may cover the start.
-            points = len(rollout(result.start, result.field).path)
+            points = len(chain_rollout(result.start, result.chain).path)
             assert points >= (1 if method == "paper" else 2)
     check_same(result, whole)
     # At least: seeds, generation 0, 1 and 2, and the end.
     assert len(costs) >= 4
     assert min(costs) < costs[0]
+
+
+def test_a_chain_stopped_again_and_again_ends_the_same(
+    make_strokes: MakeStrokes, tmp_path: Path
+) -> None:
+    strokes = make_strokes("loop", 0)
+    config = replace(LearnerConfig.quick(), fields="many")
+    whole = learn_skill(strokes, config)
+    assert whole.converged
+    result = None
+    for _ in range(20):
+        with Impatient(tmp_path / "c", {}, resume=True) as checkpoint:
+            checkpoint.patience = 15
+            result = learn_skill(strokes, config, checkpoint=checkpoint)
+        if result.finished:
+            break
+        assert not result.converged
+        assert len(chain_rollout(result.start, result.chain).path) > 1
+    assert result is not None
+    check_same(result, whole)
 
 
 def test_the_number_of_workers_does_not_tell(
@@ -121,7 +141,7 @@ def test_where_every_candidate_fails_the_best_seed_is_left(
     result = learn_skill(make_strokes("wide arc", 0), config)
     assert result.finished
     assert result.failures >= config.seeds
-    assert len(result.field.obstacles) == 2
+    assert result.obstacle_count == 2
 
 
 def test_a_failing_member_takes_no_other_with_it() -> None:

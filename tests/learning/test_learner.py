@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from bath_drake.certificate.certify import certify
+from bath_drake.composition.certify import certify_chain
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.errors import DemonstrationError
 from bath_drake.field.obstacles import ObstacleSet, Workspace
-from bath_drake.field.rollout import RolloutStatus, rollout
+from bath_drake.field.rollout import RolloutStatus
 from bath_drake.learning import learner, shooting
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem, ValidityMargins
@@ -24,18 +26,19 @@ MakeStrokes = Callable[..., Any]
 
 def _check_consistency(result: LearningResult) -> None:
     """What every result must satisfy, good or bad."""
-    path = rollout(result.start, result.field, goal_tolerance=GOAL_TOLERANCE)
+    assert len(result.branches) == 1
+    path = chain_rollout(result.start, result.chain, goal_tolerance=GOAL_TOLERANCE)
     np.testing.assert_array_equal(path.path, result.rollout.path)
     raw = discrete_frechet(path.path, result.mean_demonstration)
     assert result.frechet["to_mean_raw"] == pytest.approx(raw, rel=1e-12)
     assert result.frechet["to_mean"] == pytest.approx(raw / result.scale, rel=1e-12)
     assert result.frechet["cost"] == pytest.approx(np.mean(result.per_demonstration))
-    assert certify(result.field).verdict == result.certificate.verdict
+    assert certify_chain(result.chain).verdict == result.certificates[0].verdict
     evaluations, costs = zip(*result.cost_history, strict=True)
     assert (np.diff(evaluations) >= 0).all()
     assert (np.diff(costs) <= 0).all()
     if result.converged:
-        assert result.certificate.passed
+        assert result.certificates[0].passed
         assert path.status is RolloutStatus.ARRIVED
         assert result.frechet["to_mean"] <= 0.10
 
@@ -45,7 +48,7 @@ def test_the_same_seed_gives_the_same_skill(make_strokes: MakeStrokes) -> None:
     calls: list[tuple[int, int, float]] = []
     config = LearnerConfig.quick(seed=3)
     result = learn_skill(strokes, config, lambda *a: calls.append(a))
-    assert learn_skill(strokes, config).field == result.field
+    assert learn_skill(strokes, config).chain == result.chain
     _check_consistency(result)
     assert result.converged
     done = [c[0] for c in calls]
@@ -58,7 +61,7 @@ def test_a_field_that_is_not_proved_is_taken_only_if_there_is_no_other(
 ) -> None:
     strokes = make_strokes("line", 0)
     config = replace(LearnerConfig.quick(), obstacles=0)
-    free = learn_skill(strokes, config).field
+    (free,) = learn_skill(strokes, config).chain.fields
     # Beyond the goal and broadside to it: every demonstration arrives, but what starts
     # behind the wall is trapped.
     x, y = free.goal
@@ -68,24 +71,27 @@ def test_a_field_that_is_not_proved_is_taken_only_if_there_is_no_other(
     offered = [trapping]
     monkeypatch.setattr(learner.search, "candidates", lambda *_: list(offered))
     alone = learn_skill(strokes, config)
-    assert alone.field == trapping
-    assert alone.certificate.verdict == "refuted"
+    assert alone.chain.fields == (trapping,)
+    assert alone.certificates[0].verdict == "refuted"
     assert alone.rollout.status is RolloutStatus.ARRIVED
     assert not alone.converged
     # A disc beside the stroke: proved, but it pushes the motion aside.
     disc = ObstacleSet(np.array([[0.0, 0.2, 0.15, 0.15, 0.0]]))
     offered.append(replace(free, kappa=6.0).with_obstacles(disc))
     both = learn_skill(strokes, config)
-    assert both.field == offered[1]
-    assert both.certificate.passed
+    assert both.chain.fields == (offered[1],)
+    assert both.certificates[0].passed
     # Had the distance decided, it would be the other one.
     assert both.frechet["to_mean"] > alone.frechet["to_mean"] + 0.01
 
 
-def test_a_straight_stroke_needs_no_obstacle(make_strokes: MakeStrokes) -> None:
+def test_a_straight_stroke_needs_one_field_and_no_obstacle(
+    make_strokes: MakeStrokes,
+) -> None:
     result = learn_skill(make_strokes("line", 1), LearnerConfig.quick())
     _check_consistency(result)
-    assert len(result.field.obstacles) == 0
+    assert len(result.chain) == 1
+    assert result.obstacle_count == 0
     assert result.converged
 
 
