@@ -68,6 +68,21 @@ def test_every_branch_of_a_skill_is_certified(tmp_path, capsys):
     assert [h["branch"] for h in found["handovers"]] == [0, 0, 1]
 
 
+def test_a_conditioned_skill_is_certified_at_its_demonstrated_starts_too(
+    tmp_path, capsys
+):
+    skill = composed_skill(conditioned=True)
+    assert main(["certify", str(saved(tmp_path, skill))]) == 0
+    found = json.loads(capsys.readouterr().out)
+    (branch,) = skill.branches
+    said = found["demonstrated_starts"]
+    assert [[s["x"], s["y"]] for s in said] == branch.starts.tolist()
+    for start, entry in zip(branch.starts, said, strict=True):
+        own = certify_chain(branch.chain_for(start), start=start)
+        assert entry["verdict"] == own.verdict
+        assert entry["reason"] == own.reason
+
+
 def test_a_list_of_fields_in_any_file_is_a_chain(tmp_path, capsys):
     path = tmp_path / "fields.yaml"
     path.write_text(dump_yaml({"field": chains_to_mapping([passing([0.7, 0.0])])}))
@@ -78,6 +93,7 @@ def test_a_list_of_fields_in_any_file_is_a_chain(tmp_path, capsys):
     assert found["witness"] == found["stages"][1]["witness"]
     # Nothing is said of a start: there is none.
     assert "from_start" not in found
+    assert "demonstrated_starts" not in found
 
 
 @pytest.mark.parametrize(("goal", "verdict"), [(0.7, "proved"), (-1.2, "refuted")])

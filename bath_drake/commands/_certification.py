@@ -28,12 +28,15 @@ class Certification:
         certificates: Of each chain as a whole, from all its first field's free space.
         from_starts: Of each chain from its branch's start, where only that gives a
             proof of a region; else the same as above.
+        moved: Of conditioned branches the chains for their demonstrations' own starts:
+            branch, start (2,) in N, and the chain's certificate from there.
     """
 
     skill: Skill | None
     chains: tuple[Chain, ...]
     certificates: tuple[ChainCertificate, ...]
     from_starts: tuple[ChainCertificate, ...]
+    moved: tuple[tuple[int, FloatArray, ChainCertificate], ...] = ()
 
     @property
     def starts(self) -> tuple[FloatArray, ...]:
@@ -72,6 +75,17 @@ class Certification:
             )
         if self.from_starts != self.certificates:
             data["from_start"] = self._block(self.from_starts)
+        if self.moved:
+            data["demonstrated_starts"] = [
+                {
+                    "branch": b,
+                    "x": float(start[0]),
+                    "y": float(start[1]),
+                    "verdict": certificate.verdict,
+                    "reason": certificate.reason,
+                }
+                for b, start, certificate in self.moved
+            ]
         data["seconds"] = sum(certificate.seconds for certificate in self.certificates)
         return data
 
@@ -88,6 +102,9 @@ class Certification:
 def certify_file(path: str, renew: bool) -> Certification:
     """Reads and certifies a file's fields; a skill's starts must be free too.
 
+    A conditioned branch is another chain for every start: the verdict is that of its
+    mean start's, and the demonstrations' own are certified besides.
+
     Raises:
         SkillFileError: Naming file and key; also to renew what is no skill.
     """
@@ -95,7 +112,13 @@ def certify_file(path: str, renew: bool) -> Certification:
         skill = load_skill(path, renew=renew)
         pairs = [_certify_branch(b.chain, b.start) for b in skill.branches]
         certificates, from_starts = zip(*pairs, strict=True)
-        return Certification(skill, skill.chains, certificates, from_starts)
+        moved = tuple(
+            (b, start, certify_chain(branch.chain_for(start), start=start))
+            for b, branch in enumerate(skill.branches)
+            if branch.conditioning is not None
+            for start in branch.starts
+        )
+        return Certification(skill, skill.chains, certificates, from_starts, moved)
     if renew:
         raise SkillFileError(f"{path}: --renew is for skills, this is none")
     chains = load_chains(path)

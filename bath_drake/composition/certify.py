@@ -85,6 +85,8 @@ def certify_chain(
     ]
     handovers = [
         _with_arrival(passage, chain, k, worlds, alone)
+        if stages[k + 1].passed
+        else passage
         for k, passage in enumerate(passages)
     ]
     seconds = time.perf_counter() - begin

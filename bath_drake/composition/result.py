@@ -23,17 +23,17 @@ class Handover:
 
     Attributes:
         verdict: 'proved': the goal lies in the gate's interior, the closed gate in the
-            next field's free space, and of the motions that enter it almost every one
-            goes on to the next goal if the next stage is proved. 'refuted': a point of
-            the gate is proved not to be free. 'undecided': neither was shown.
+            next field's free space, and the next field, if it is proved, brings almost
+            every motion that enters it to the next goal. 'refuted': a point of the gate
+            is proved not to be free. 'undecided': neither was shown.
         reason: The verdict in words.
         clearance: Proved lower bound of the least beta_j of the next field over the
             closed gate, positive; None if there is none.
         level: Proved upper bound of the next field's psi over the gate; None as above.
         arrival: Which motions that enter the gate the next stage brings to its goal:
             'every' if no other critical point lies as low as the gate reaches, else
-            'almost every'; 'not shown' where a curve that ends at a saddle, of this or
-            a later stage, may run along the gate's boundary.
+            'almost every'; 'not shown' where that stage is not proved, or a curve that
+            ends at a saddle, of this or a later stage, may run along the boundary.
         witness: For 'refuted' a point of the gate that shows it, else None.
         doubts: Where the proof got stuck.
         boxes: How many boxes were looked at.

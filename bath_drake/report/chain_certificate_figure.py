@@ -48,7 +48,7 @@ def draw_chain_certificates(
     panels = [(b, k) for b, chain in enumerate(chains) for k in range(len(chain))]
     columns = min(_COLUMNS, len(panels))
     rows = math.ceil(len(panels) / columns)
-    figure = style.new_figure(4.5 * rows + 1.5, width=4.0 * columns)
+    figure = style.new_figure(5.0 * rows, width=4.0 * columns)
     grid = np.atleast_1d(figure.subplots(rows, columns, squeeze=False).ravel())
     for axes in grid[len(panels) :]:
         axes.set_visible(False)
@@ -58,6 +58,8 @@ def draw_chain_certificates(
         _draw_stage(axes, chains[b], certificates[b], k, start, labels)
         name = f"Branch {b}, stage {k}" if len(chains) > 1 else f"Stage {k}"
         _write_facts(axes, certificates[b], k, name)
+    lines = math.ceil(len(labels) / columns)
+    figure.set_size_inches(4.0 * columns, 5.0 * rows + 0.8 + 0.22 * lines)
     figure.legend(
         handles=list(labels.values()),
         labels=list(labels),

@@ -283,7 +283,10 @@ def past_the_trap() -> Chain:
 
 def test_a_later_field_may_be_proved_of_what_its_gate_can_reach():
     chain = past_the_trap()
-    assert certify_chain(chain).verdict == "refuted"
+    whole = certify_chain(chain)
+    assert whole.verdict == "refuted"
+    assert whole.handovers[0].verdict == "proved"
+    assert whole.handovers[0].arrival == "not shown"
     found = certify_chain(chain, start=[-1.5, 0.3])
     assert found.passed, found.reason
     assert found.stages[1].region == found.handovers[0].level
