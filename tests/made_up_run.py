@@ -1,6 +1,7 @@
 """A made-up run of a real person: the loop's log without the loop."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from made_up_skill import single_branch
 from scipy.spatial.transform import Rotation
 
 from bath_drake.certificate.certify import certify
+from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.certified_world import WorldVerdict
 from bath_drake.demonstrations.processing import (
     arc_length_mean,
@@ -194,6 +196,27 @@ def make_log(
     )
 
 
+def make_composed_log(scenario: Scenario, skill: Skill) -> SimulationLog:
+    """The log of a run along a composed skill's own path, its worlds the skill's."""
+    found = chain_rollout(skill.start, skill.chain)
+    log = make_log(scenario, path=found.path)
+    # As `make_log` goes along the path.
+    share = np.clip((log.time - 4.0) / 11.5, 0.0, 1.0) ** 1.2
+    at = np.minimum((share * len(found.path)).astype(int), len(found.path) - 1)
+    stage = found.stages[at]
+    rows = [pack_field(field, 16) for field in skill.chain.fields]
+    begun = [log.time[np.argmax(stage == k)] for k in range(len(rows))]
+    seen = stage[np.searchsorted(log.time, log.keyframe_time)]
+    return replace(
+        log,
+        stage=stage.astype(float),
+        world_time=np.array(begun),
+        worlds=np.array(rows),
+        keyframe_areas=np.empty((0, 6)),
+        keyframe_world=np.array([rows[k] for k in seen]),
+    )
+
+
 def render(person, model, X_WC, yaw, p_WM, skin, scenario):
     """Colour, depth and the back's mask by ray casting."""
     scene = o3d.t.geometry.RaycastingScene()
@@ -223,9 +246,9 @@ def render(person, model, X_WC, yaw, p_WM, skin, scenario):
     return (255 * image).astype(np.uint8), depth, on_back
 
 
-def write_run(folder: Path, scenario: Scenario) -> Path:
-    skill = make_skill(scenario)
-    log = make_log(scenario)
+def write_run(folder: Path, scenario: Scenario, skill: Skill | None = None) -> Path:
+    skill = skill or make_skill(scenario)
+    log = make_log(scenario) if skill.is_single else make_composed_log(scenario, skill)
     folder.mkdir(parents=True)
     (folder / "scenario.yaml").write_text(dump_scenario(scenario))
     save_skill(folder / "skill.yaml", skill)

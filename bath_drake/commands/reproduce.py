@@ -39,15 +39,18 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if the goal is reached, 1 if not.
 
     The times are those of a nozzle at `SPEED` over a body as large as the
-    demonstrations'. The world with these ends is certified anew, whole or else for
-    this start; its verdict is printed, never the skill's.
+    demonstrations'. A composed skill's fields are followed in turn, as the branch that
+    was shown nearest to this start has them for these ends. The world with these ends
+    is certified anew, whole or else for this start; its verdict is printed, never the
+    skill's.
     """
     import numpy as np
 
-    from bath_drake.certificate.certify import certify_from
+    from bath_drake.composition.certify import certify_chain
+    from bath_drake.composition.rollout import chain_rollout, chain_times
     from bath_drake.errors import BathDrakeError
     from bath_drake.field.navigation import min_beta
-    from bath_drake.field.rollout import RolloutStatus, timed_rollout
+    from bath_drake.field.rollout import RolloutStatus
     from bath_drake.skill_file import load_skill
     from bath_drake.yaml_io import check_output, write_atomically
 
@@ -61,28 +64,33 @@ def run(options: argparse.Namespace) -> int:
             f"this one's frame is {skill.canonical.kind}; allowed: canonical"
         )
     start = _canonical("--start", options.start, skill, planar)
-    field = skill.field
+    goal = None
     if options.goal is not None:
-        field = field.with_goal(_canonical("--goal", options.goal, skill, planar))
-    for name, point in (("--start", start), ("--goal", field.goal)):
+        goal = _canonical("--goal", options.goal, skill, planar)
+    chain = skill.chain_for(start, goal)
+    for name, point, field in (
+        ("--start", start, chain.fields[0]),
+        ("--goal", chain.goal, chain.fields[-1]),
+    ):
         if not min_beta(point, field) > 0.0:
             raise BathDrakeError(
                 f"{name}: ({point[0]:.6g}, {point[1]:.6g}) in canonical space is in an "
                 "obstacle or outside the workspace, allowed: free space"
             )
-    found = timed_rollout(
-        start, field, speed=SPEED, half_extents=skill.canonical.scales
-    )
+    found = chain_rollout(start, chain)
+    times = chain_times(found, chain, speed=SPEED, half_extents=skill.canonical.scales)
     path = skill.canonical.to_demonstration(found.path) if planar else found.path
-    certificate = certify_from(field, start)
+    certificate = certify_chain(chain, start=start)
     if options.output is not None:
-        rows = np.column_stack([found.times, path]).tolist()
+        rows = np.column_stack([times, path]).tolist()
         lines = [",".join(f"{value:.9g}" for value in row) for row in rows]
         write_atomically(options.output, "\n".join(["t,x,y", *lines, ""]))
     length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
     print(f"goal     {found.status.name.lower().replace('_', ' ')}")
     print(f"path     {len(path)} points, length {length:.4g} ({options.frame} frame)")
-    print(f"time     {found.times[-1]:.2f} s at {SPEED} m/s")
+    print(f"time     {times[-1]:.2f} s at {SPEED} m/s")
+    if len(chain) > 1:
+        print(f"fields   {found.stages[-1] + 1} of {len(chain)} followed")
     print(f"verdict  {certificate.verdict}: {certificate.reason}")
     return 0 if found.status is RolloutStatus.ARRIVED else 1
 

@@ -103,7 +103,7 @@ def keep_certified(
         ahead: Worlds that may be driven in next, and where each is to be entered.
 
     Returns:
-        The driven world first, then those ahead; `worlds` itself if nothing is due.
+        `worlds` itself if nothing is due, else the driven world, then those ahead.
     """
     current = certified_of(worlds, field)
     others = tuple(

@@ -108,7 +108,8 @@ def _free_place(
     shifts = (lengths[:, None, None] * rays).reshape(-1, 2)
     places = field.goal + shifts
     free = _clear(places, areas, GAP) & (np.abs(places).max(axis=-1) <= _ON_BODY)
-    # The gate reaches one and a half radii from the goal, backwards and sideways less.
+    # The gate reaches less than one and a half radii from the goal. Where it reaches
+    # into an area nothing comes to be.
     for other, distance in ((field, GAP), (after, 1.5 * MOVED_RADIUS)):
         free &= _clear(places, other.obstacles, distance)
         free &= other.workspace.beta(places) > _INSIDE

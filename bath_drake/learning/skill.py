@@ -105,7 +105,14 @@ class Skill:
     def chain_for(self, start: ArrayLike, goal: ArrayLike | None = None) -> Chain:
         """The chain for a start and a goal (2,), in N; the goal learned if None.
 
+        A goal that is given is the last field's to the last bit, wherever conditioning
+        would have moved it.
+
         Raises:
             ValueError: Start or goal are not two finite numbers.
         """
-        return self.branch_for(start).chain_for(start, goal)
+        chain = self.branch_for(start).chain_for(start, goal)
+        if goal is None or np.array_equal(chain.goal, goal):
+            return chain
+        last = chain.fields[-1].with_goal(np.asarray(goal, dtype=np.float64))
+        return dataclasses.replace(chain, fields=(*chain.fields[:-1], last))

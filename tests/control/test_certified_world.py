@@ -8,7 +8,9 @@ from bath_drake.certificate.result import Certificate
 from bath_drake.control.certified_world import (
     CertifiedWorld,
     WorldVerdict,
+    certified_of,
     certify_world,
+    keep_certified,
     nothing_certified,
 )
 from bath_drake.field.navigation import NavigationField, ln_phi, psi
@@ -108,3 +110,35 @@ def test_the_potential_is_that_of_the_field():
     assert psi(FIELD.goal, FIELD) == -np.inf
     assert psi(np.array([0.1, -0.3]), FIELD) == np.inf
     assert psi(np.array([2.0, 0.0]), FIELD) == np.inf
+
+
+AHEAD = FIELD.with_goal(np.array([0.5, 0.4]))
+ENTRY = np.array([0.6, 0.0])
+
+
+def test_the_driven_world_is_proved_first_and_one_at_a_time():
+    ahead = [(AHEAD, ENTRY)]
+    first = keep_certified((nothing_certified(),), FIELD, START, ahead)
+    assert [w.field for w in first] == [FIELD]
+    second = keep_certified(first, FIELD, START, ahead)
+    assert second[0] is first[0]
+    assert [w.field for w in second] == [FIELD, AHEAD]
+    np.testing.assert_array_equal(second[1].start, ENTRY)
+    assert keep_certified(second, FIELD, START, ahead) is second
+
+
+def test_a_world_that_was_proved_ahead_is_in_force_at_once():
+    worlds = keep_certified((nothing_certified(),), FIELD, START, [(AHEAD, ENTRY)])
+    worlds = keep_certified(worlds, FIELD, START, [(AHEAD, ENTRY)])
+    entered = certified_of(worlds, AHEAD)
+    assert entered.proves(AHEAD, ENTRY + 0.01)
+    assert keep_certified(worlds, AHEAD, ENTRY + 0.01, [(AHEAD, ENTRY)]) is worlds
+    assert certified_of(worlds, FIELD.with_goal(ENTRY)) is None
+
+
+def test_worlds_that_are_no_longer_ahead_are_forgotten():
+    worlds = keep_certified((nothing_certified(),), FIELD, START, [(AHEAD, ENTRY)])
+    worlds = keep_certified(worlds, FIELD, START, [(AHEAD, ENTRY)])
+    other = FIELD.with_goal(ENTRY)
+    renewed = keep_certified(worlds, other, START, [])
+    assert [w.field for w in renewed] == [other]

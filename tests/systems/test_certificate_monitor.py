@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 
 from bath_drake.control.certified_world import WorldVerdict, certify_world
+from bath_drake.control.world import join_areas
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.systems.certificate_monitor import CertificateMonitor
@@ -138,6 +140,29 @@ def test_reading_its_ports_proves_nothing(dut):
     for k in range(dut.num_output_ports()):
         dut.get_output_port(k).Eval(context)
     assert not dut.GetOutputPort("certified_world").Eval(context).made
+
+
+def test_at_a_gate_the_proof_of_the_next_world_is_there_already(dut):
+    later = FIELD.with_goal(np.array([0.6, 0.5]))
+    entry = np.array([0.5, 0.2])
+    ahead = (join_areas(FIELD, AREA, START), join_areas(later, AREA, entry))
+    simulator = Simulator(dut, dut.CreateDefaultContext())
+    context = simulator.get_mutable_context()
+    dut.GetInputPort("reconciled_worlds").FixValue(context, Value[object](ahead))
+    run(dut, areas=ahead[0].sensed, field=ahead[0].virtual, simulator=simulator)
+    simulator.AdvanceTo(0.1)
+    run(
+        dut,
+        areas=ahead[1].sensed,
+        field=ahead[1].virtual,
+        start=entry + 0.01,
+        simulator=simulator,
+        end=0.1,
+    )
+    # Not a moment later, and it is told as that of the new world.
+    assert out(dut, simulator, "world_status")[0] == 1.0
+    assert out(dut, simulator, "certified_world").field == ahead[1].field
+    np.testing.assert_array_equal(out(dut, simulator, "certified_start"), entry)
 
 
 @pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), float("inf")])

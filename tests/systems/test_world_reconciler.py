@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from made_up_skill import crossing_chain
 from pydrake.systems.analysis import Simulator
 
 from bath_drake.control.areas import inflated
+from bath_drake.control.staging import remaining
 from bath_drake.control.world import join_areas
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
@@ -85,3 +87,43 @@ def test_an_area_on_the_goal_makes_the_world_unsound(dut):
 def test_its_numbers_must_be_in_range(numbers):
     with pytest.raises(ValueError, match="must be"):
         WorldReconciler(**numbers)
+
+
+CHAIN = crossing_chain()
+
+
+def run_chain(dut, chain, simulator=None, end=0.1, point=(-0.7, -0.3)):
+    if simulator is None:
+        simulator = Simulator(dut, dut.CreateDefaultContext())
+    context = simulator.get_mutable_context()
+    for name, value in (
+        ("navigation_field", chain.fields[0]),
+        ("remaining_chain", chain),
+        ("sensed_obstacles", ObstacleSet(np.array([[-0.3, 0.4, 0.1, 0.1, 0.0]]))),
+        ("canonical_reference", np.array(point)),
+    ):
+        dut.GetInputPort(name).FixValue(context, value)
+    simulator.AdvanceTo(end)
+    return simulator
+
+
+def test_the_next_world_is_there_before_the_gate_is_passed(dut):
+    simulator = run_chain(dut, CHAIN)
+    worlds = out(dut, simulator, "reconciled_worlds")
+    assert [world.learned for world in worlds] == list(CHAIN.fields[:2])
+    later = remaining(CHAIN, 1)
+    # Nothing is simulated: the very moment the field changes.
+    run_chain(dut, later, simulator, end=0.1)
+    assert out(dut, simulator, "world_status")[0] == 1.0
+    assert out(dut, simulator, "reconciled_field") == worlds[1].virtual
+    assert out(dut, simulator, "reconciled_obstacles") == worlds[1].sensed
+
+
+def test_a_field_nobody_announced_is_unsound_until_its_world_is_made(dut):
+    simulator = run_chain(dut, CHAIN)
+    run_chain(dut, remaining(CHAIN, 2), simulator, end=0.1)
+    assert out(dut, simulator, "world_status")[0] == 0.0
+    areas = out(dut, simulator, "restricted_areas")
+    assert out(dut, simulator, "reconciled_obstacles") == areas
+    run_chain(dut, remaining(CHAIN, 2), simulator, end=0.1 + PERIOD)
+    assert out(dut, simulator, "world_status")[0] == 1.0

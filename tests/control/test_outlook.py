@@ -1,0 +1,57 @@
+"""Worlds made ahead of the gate."""
+
+import numpy as np
+from made_up_skill import composed_skill, crossing_chain
+
+from bath_drake.control.areas import inflated
+from bath_drake.control.outlook import look_ahead
+from bath_drake.control.staging import remaining
+from bath_drake.control.world import join_areas
+from bath_drake.field.obstacles import ObstacleSet
+
+CHAIN = crossing_chain()
+START = composed_skill().start
+AREAS = ObstacleSet(np.array([[-0.3, 0.4, 0.1, 0.1, 0.0]]))
+SLACK = 0.02
+
+
+def look(outlook, areas=AREAS, chain=CHAIN, point=START):
+    return look_ahead(outlook, areas, chain, point, slack=SLACK)
+
+
+def test_the_followed_world_is_made_first_then_the_next_then_nothing():
+    first = look(None)
+    assert [w.learned for w in first.worlds] == [CHAIN.fields[0]]
+    second = look(first)
+    assert [w.learned for w in second.worlds] == list(CHAIN.fields[:2])
+    assert look(second) is second
+
+
+def test_a_world_is_that_of_the_pure_function():
+    outlook = look(look(None))
+    for world in outlook.worlds:
+        expected = join_areas(world.learned, inflated(AREAS, SLACK), world.start)
+        assert world.field == expected.field
+        assert world.certificate.passed
+    # The next one is to be entered at its gate.
+    assert CHAIN.gates[0].holds(outlook.worlds[1].start)
+
+
+def test_past_the_gate_the_world_is_there_and_the_one_after_is_made():
+    outlook = look(look(None))
+    ahead = outlook.worlds[1]
+    chain = remaining(CHAIN, 1)
+    assert outlook.world_of(chain.fields[0]) is ahead
+    passed = look(outlook, chain=chain, point=ahead.start)
+    assert passed.worlds[0] is ahead
+    assert [w.learned for w in passed.worlds] == list(CHAIN.fields[1:])
+    last = look(passed, chain=remaining(CHAIN, 2), point=passed.worlds[1].start)
+    assert last is passed
+
+
+def test_a_new_area_makes_all_worlds_anew_and_a_flicker_none():
+    outlook = look(look(None))
+    assert look(outlook, inflated(AREAS, 0.5 * SLACK)) is outlook
+    grown = look(outlook, inflated(AREAS, 2.0 * SLACK))
+    assert len(grown.worlds) == 1
+    assert grown.worlds[0].learned == CHAIN.fields[0]
