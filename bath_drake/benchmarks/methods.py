@@ -7,6 +7,8 @@ import numpy as np
 
 from bath_drake.benchmarks.reproduction import Learned, Method, Shape
 from bath_drake.composition.branch import nearest_branch
+from bath_drake.composition.certify import certify_chain
+from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout
 from bath_drake.demonstrations.processing import CANONICAL_SPAN
 from bath_drake.learning.config import LearnerConfig
@@ -38,9 +40,12 @@ def learner(config: LearnerConfig) -> Method:
             config,
         )
 
-        def roll_out(start: FloatArray) -> FloatArray:
+        def chain_from(start: FloatArray) -> tuple[FloatArray, Chain]:
             own = (start - middle) * scale
-            chain = nearest_branch(result.branches, own).chain_for(own)
+            return own, nearest_branch(result.branches, own).chain_for(own)
+
+        def roll_out(start: FloatArray) -> FloatArray:
+            own, chain = chain_from(start)
             found = chain_rollout(own, chain, goal_tolerance=GOAL_TOLERANCE)
             path: FloatArray = found.path / scale + middle
             return path
@@ -49,6 +54,7 @@ def learner(config: LearnerConfig) -> Method:
             roll_out,
             all(certificate.passed for certificate in result.certificates),
             float(result.obstacle_count),
+            lambda start: certify_chain(chain_from(start)[1]).passed,
         )
 
     return fit

@@ -99,12 +99,15 @@ class Learned:
     Attributes:
         roll_out: From a start, shape (2,), to a path, shape (n, 2).
         proved: Whether it is proved to arrive from everywhere in free space.
+        proves: Whether the motion from a start, shape (2,), is proved as well; None
+            where `proved` says it of all.
         obstacles: How many virtual obstacles it has; NaN if it has no such thing.
     """
 
     roll_out: Callable[[FloatArray], FloatArray]
     proved: bool = False
     obstacles: float = float("nan")
+    proves: Callable[[FloatArray], bool] | None = None
 
 
 Method = Callable[[Shape], Learned]
@@ -121,7 +124,7 @@ class Score:
         worst: The greatest of these.
         to_mean: From the mean start, to the demonstrations' mean; NaN if held out.
         goal: Share of roll-outs that reach the goal.
-        proved: Share of what was learned that is proved.
+        proved: Share of the motions from the demonstrations' starts that are proved.
         obstacles: Mean number of virtual obstacles.
         fit_seconds: To learn it, once.
         roll_out_seconds: Mean of a roll-out.
@@ -150,12 +153,16 @@ def evaluate(name: str, method: Method, shape: Shape, held_out: bool = False) ->
     else:
         fits = [method(shape)]
     fit_seconds = (time.perf_counter() - begin) / len(fits)
-    distances, arrived, seconds = [], [], []
+    distances, arrived, seconds, proved = [], [], [], []
     for i, demonstration in enumerate(shape.demonstrations):
         learned = fits[i if held_out else 0]
         begin = time.perf_counter()
         path = learned.roll_out(demonstration.path[0].copy())
         seconds.append(time.perf_counter() - begin)
+        proof = learned.proves
+        proved.append(
+            learned.proved and (proof is None or proof(demonstration.path[0]))
+        )
         path = _usable(path, demonstration.path[0])
         distances.append(discrete_frechet(resample(path, POINTS), demonstration.path))
         arrived.append(float(np.linalg.norm(path[-1])) < GOAL_TOLERANCE)
@@ -171,7 +178,7 @@ def evaluate(name: str, method: Method, shape: Shape, held_out: bool = False) ->
         worst=max(distances),
         to_mean=to_mean,
         goal=float(np.mean(arrived)),
-        proved=float(np.mean([learned.proved for learned in fits])),
+        proved=float(np.mean(proved)),
         obstacles=float(np.mean([learned.obstacles for learned in fits])),
         fit_seconds=fit_seconds,
         roll_out_seconds=float(np.mean(seconds)),
