@@ -168,8 +168,9 @@ def _settle(
         )
     else:
         count = sum(point.kind == "saddle" for point in points)
+        saddles = "1 saddle" if count == 1 else f"{count} saddles"
         found = Certificate(
-            "proved", f"no minimum besides the goal in {part}; {count} saddles"
+            "proved", f"no minimum besides the goal in {part}; {saddles}"
         )
     return replace(
         found,

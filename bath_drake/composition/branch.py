@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bath_drake.composition.chain import Chain
+from bath_drake.composition.clearing import cleared
 from bath_drake.composition.conditioning import Conditioning
 from bath_drake.notation import FloatArray
 
@@ -57,13 +58,15 @@ class Branch:
     def chain_for(self, start: ArrayLike, goal: ArrayLike | None = None) -> Chain:
         """The chain for a start and a goal (2,), in N; the goal learned if None.
 
-        A chain like any other, to be certified anew (`composition.certify`).
+        A chain like any other, to be certified anew (`composition.certify`). Gates
+        that the moves bring into an obstacle are drawn in (`composition.clearing`).
 
         Raises:
             ValueError: Start or goal are not two finite numbers.
         """
         if self.conditioning is not None:
-            return self.chain.moved(self.conditioning.similarities(start, goal))
+            moved = self.chain.moved(self.conditioning.similarities(start, goal))
+            return cleared(moved)
         if goal is None:
             return self.chain
         last = self.chain.fields[-1].with_goal(np.asarray(goal, dtype=np.float64))
