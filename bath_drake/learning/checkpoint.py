@@ -92,6 +92,7 @@ class Checkpoint:
         """
         self._path = path
         self._known: dict[str, bytes] = {}
+        self._asked: set[str] = set()
         self._pending: list[bytes] = []
         self._guard = threading.Lock()
         self._stopping = False
@@ -117,9 +118,12 @@ class Checkpoint:
         Raises:
             Stopped: `stop` was called, and the step is not stored.
             CheckpointError: The file cannot be written.
-            ValueError: ``compute`` gave arrays of objects.
+            ValueError: ``compute`` gave arrays of objects, or ``key`` was asked for
+                before: two steps of one name would take each other's result.
         """
         with self._guard:
+            if key in self._asked:
+                raise ValueError(f"the step {key!r} is asked for twice")
             known = self._known.get(key)
         if known is None:
             if self._stopping:
@@ -131,6 +135,7 @@ class Checkpoint:
                     self._pending.append(_record(known))
                 if time.monotonic() - self._written >= _INTERVAL:
                     self.flush()
+        self._asked.add(key)
         return _decode(known)[1]
 
     def stop(self) -> None:

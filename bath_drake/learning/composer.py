@@ -11,7 +11,7 @@ from bath_drake.composition.chain import Chain, Gate
 from bath_drake.composition.conditioning import Conditioning
 from bath_drake.field.obstacles import Workspace
 from bath_drake.learning.alignment import Alignment
-from bath_drake.learning.checkpoint import Arrays, Steps
+from bath_drake.learning.checkpoint import Arrays, Steps, Under
 from bath_drake.learning.cost import LearningProblem, ValidityMargins
 from bath_drake.learning.responses import fit_conditioning
 from bath_drake.learning.segmentation import cut, gate_at, stage_count
@@ -131,7 +131,9 @@ def compose(
 
     def learn(k: int) -> LearnedStage:
         problem = stage_problem(how.stages[k], workspace, margins)
-        return _fewest(problem, (*seed, len(how.stages), k), tries, steps)
+        # Plans of as many stages may still be cut elsewhere.
+        own = Under(steps, f"cuts {' '.join(map(str, how.cuts))}/stage {k}")
+        return _fewest(problem, (*seed, len(how.stages), k), tries, own)
 
     learned = parallel_map(learn, range(len(how.stages)))
     branch = Branch(
@@ -153,7 +155,7 @@ def _fewest(
     for count in range(MOST_OBSTACLES + 1):
         rng = np.random.default_rng((*seed, count))
         learn = partial(_learned, problem, count, rng, tries)
-        arrays = steps.step("stage " + " ".join(map(str, (*seed, count))), learn)
+        arrays = steps.step(f"{count} obstacles", learn)
         found = LearnedStage.unpack(arrays, problem)
         evaluations += found.evaluations
         if best is None or _price(found) < _price(best):

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 
 from bath_drake.errors import CheckpointError
-from bath_drake.learning.checkpoint import Arrays, Checkpoint, Stopped
+from bath_drake.learning.checkpoint import Arrays, Checkpoint, Steps, Stopped, Under
 from bath_drake.notation import FloatArray
 
 _IDENTITY = {"version": "1", "demonstrations": ["ab", "cd"], "config": {"seed": 3}}
@@ -23,7 +23,7 @@ class Computed(list[str]):
     """The keys of the steps that were computed, not read."""
 
 
-def _learn(checkpoint: Checkpoint, computed: Computed, stop: int = _STEPS) -> Arrays:
+def _learn(checkpoint: Steps, computed: Computed, stop: int = _STEPS) -> Arrays:
     """A made-up search: each step needs the one before and numbers of its own."""
     state: Arrays = {"x": np.zeros((2, 3)), "n": np.array(0)}
     for k in range(stop):
@@ -45,11 +45,21 @@ def _bits(arrays: Arrays) -> list[tuple[str, tuple[int, ...], bytes]]:
 _WHOLE = _bits(_learn(Checkpoint(), Computed()))
 
 
-def test_without_a_file_nothing_is_kept() -> None:
-    checkpoint, computed = Checkpoint(), Computed()
-    for _ in range(2):
-        assert _bits(_learn(checkpoint, computed)) == _WHOLE
-    assert len(computed) == 2 * _STEPS
+def test_two_steps_of_one_name_are_refused(tmp_path: Path) -> None:
+    for checkpoint in (Checkpoint(), Checkpoint(tmp_path / "c", _IDENTITY)):
+        with checkpoint:
+            _learn(checkpoint, Computed(), 2)
+            with pytest.raises(ValueError, match="'step 1' is asked for twice"):
+                checkpoint.step("step 1", lambda: {"x": np.ones(1)})
+
+
+def test_parts_of_learning_have_names_of_their_own() -> None:
+    checkpoint = Checkpoint()
+    for name in ("a", "b"):
+        found = Under(checkpoint, name)
+        inner = Under(found, "c")
+        for steps in (found, inner):
+            assert _bits(_learn(steps, Computed())) == _WHOLE
 
 
 @_FEW
@@ -91,9 +101,9 @@ def test_any_steps_known_give_the_same_end(
 
 
 def test_what_a_step_gives_is_the_callers_own(tmp_path: Path) -> None:
-    with Checkpoint(tmp_path / "c", _IDENTITY) as checkpoint:
-        turned = np.arange(6.0).reshape(2, 3).T
-        for _ in range(2):
+    turned = np.arange(6.0).reshape(2, 3).T
+    for resume in (False, True):
+        with Checkpoint(tmp_path / "c", _IDENTITY, resume=resume) as checkpoint:
             found = checkpoint.step("a", lambda: {"x": turned})["x"]
             np.testing.assert_array_equal(found, turned)
             # Sums go by memory order: it must not tell a stored result from a new one.
@@ -134,12 +144,11 @@ def test_a_step_that_fails_leaves_no_trace(tmp_path: Path) -> None:
 def test_a_stopped_checkpoint_begins_no_step_but_knows_its_own(tmp_path: Path) -> None:
     with Checkpoint(tmp_path / "c", _IDENTITY) as checkpoint:
         before = _learn(checkpoint, Computed(), 2)
+    with Checkpoint(tmp_path / "c", _IDENTITY, resume=True) as checkpoint:
         checkpoint.stop()
         assert _bits(_learn(checkpoint, Computed(), 2)) == _bits(before)
         with pytest.raises(Stopped, match="step 2"):
-            _learn(checkpoint, Computed())
-    with Checkpoint(tmp_path / "c", _IDENTITY, resume=True) as checkpoint:
-        assert checkpoint.found == 2
+            checkpoint.step("step 2", dict)
 
 
 def test_a_write_that_was_cut_is_made_again(
@@ -156,7 +165,8 @@ def test_a_write_that_was_cut_is_made_again(
         patch.setattr(os, "fsync", full)
         with pytest.raises(CheckpointError, match=r"c: cannot be written: No space"):
             checkpoint.flush()
-    _learn(checkpoint, Computed(), 4)
+    for key in ("step 2", "step 3"):
+        checkpoint.step(key, lambda: {"x": np.ones(1)})
     checkpoint.close()
     with Checkpoint(path, _IDENTITY, resume=True) as again:
         assert again.found == 4
