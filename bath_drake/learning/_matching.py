@@ -62,3 +62,17 @@ def mismatches(
                 total += weights[t] * (1.0 - along / norm)
             out[i, k] = total
     return out
+
+
+@njit(cache=True, nogil=True)
+def clearances(centres: FloatArray, points: FloatArray) -> FloatArray:
+    """Distance of each of n centres (n, 2) to the nearest of points (K, 2): (n,)."""
+    out = np.empty(centres.shape[0])
+    for i in range(centres.shape[0]):
+        least = math.inf
+        for k in range(points.shape[0]):
+            dx = points[k, 0] - centres[i, 0]
+            dy = points[k, 1] - centres[i, 1]
+            least = min(least, dx * dx + dy * dy)
+        out[i] = math.sqrt(least)
+    return out

@@ -118,16 +118,20 @@ class LearningProblem:
             )
         )
 
-    def evaluate(self, xs: FloatArray) -> PopulationCosts:
-        """Rolls members (n, P) out from every demonstration's start to the goal."""
+    def evaluate(self, xs: FloatArray, *, grid: bool = True) -> PopulationCosts:
+        """Rolls members (n, P) out from every demonstration's start to the goal.
+
+        Without ``grid`` no other start is tried, and ``reached`` is one.
+        """
         xs = np.ascontiguousarray(xs, dtype=np.float64)
-        grid, workspace = self._grid_points, self.workspace.as_array()
+        starts = self._grid_points if grid else np.empty((0, 2))
+        workspace = self.workspace.as_array()
 
         def evaluate_part(part: FloatArray) -> tuple[FloatArray, ...]:
             return _kernels.whole_costs(
                 part,
                 self.strokes.points,
-                grid,
+                starts,
                 workspace,
                 self.strokes.goal.copy(),
                 self.step,

@@ -30,11 +30,13 @@ class Wishes:
         points: Shape (T, 2), on the mean stroke and on both sides of it.
         directions: Unit vectors, shape (T, 2).
         weights: Shape (T,), of sum one.
+        along: Where each point is along the stroke, 0 to 1, shape (T,).
     """
 
     points: FloatArray
     directions: FloatArray
     weights: FloatArray
+    along: FloatArray
 
 
 def wishes(curve: FloatArray) -> Wishes:
@@ -51,7 +53,10 @@ def wishes(curve: FloatArray) -> Wishes:
         weights.append(np.full(_POINTS, weight))
     shares = np.concatenate(weights)
     return Wishes(
-        np.concatenate(points), np.concatenate(directions), shares / shares.sum()
+        np.concatenate(points),
+        np.concatenate(directions),
+        shares / shares.sum(),
+        np.tile(np.arange(_POINTS) / _POINTS, 3),
     )
 
 
@@ -82,25 +87,40 @@ class Matcher:
             count: How many there shall be.
             candidates: Those to choose from, shape (count - n, M, 5): M at a time.
         """
-        kappas = max(1.0, self._least * count) * np.geomspace(1.0, 6.0, 6)
-        base = self._rim + self._shares(rows).sum(axis=0)
-        kappa = float(kappas[0])
+        kappa = max(1.0, self._least * count)
         for choice in candidates:
-            added = self._shares(choice)
-            costs = _matching.mismatches(
-                base,
-                self._pulls,
-                added,
-                kappas,
-                self._wishes.directions,
-                self._wishes.weights,
-            )
-            costs += 0.3 * self._overlaps(rows, choice)[:, None]
-            best, k = np.unravel_index(int(np.argmin(costs)), costs.shape)
+            costs, kappas = self.rate(rows, choice, count)
+            best = int(np.argmin(costs))
             rows = np.concatenate([rows, choice[best : best + 1]])
-            base = base + added[best]
-            kappa = float(kappas[k])
+            kappa = float(kappas[best])
         return rows, kappa
+
+    def rate(
+        self,
+        rows: FloatArray,
+        choice: FloatArray,
+        count: int | None = None,
+        begin: float = 0.0,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Mismatch (M,) of the flow with each of ``choice`` (M, 5) beside ``rows``.
+
+        Returns the best kappas, shape (M,), too; they suit ``count`` obstacles, if
+        it is given, or else one more than ``rows``. Only what lies behind the share
+        ``begin`` of the stroke counts.
+        """
+        count = len(rows) + 1 if count is None else count
+        kappas = max(1.0, self._least * count) * np.geomspace(1.0, 6.0, 6)
+        costs = _matching.mismatches(
+            self._rim + self._shares(rows).sum(axis=0),
+            self._pulls,
+            self._shares(choice),
+            kappas,
+            self._wishes.directions,
+            np.where(self._wishes.along >= begin, self._wishes.weights, 0.0),
+        )
+        best = costs.argmin(axis=1)
+        least = costs[np.arange(len(choice)), best]
+        return least + 0.3 * self._overlaps(rows, choice), kappas[best]
 
     def _shares(self, rows: FloatArray) -> FloatArray:
         theta = np.array(rows, dtype=np.float64).reshape(-1, genome.GENES)

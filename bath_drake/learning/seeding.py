@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bath_drake.learning import genome
+from bath_drake.learning import _matching, genome
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.matching import CANDIDATES, Matcher
 from bath_drake.learning.strokes import headings
@@ -65,7 +65,7 @@ def seed_population(
         for i, turn in enumerate(order):
             at[i] = turns[turn][0] + int(rng.normal(0.0, 0.02 * len(curve)))
             sides[i] = np.sign(turns[turn][1])
-        found[n, :-1] = _beside(at, sides, problem, rng).ravel()
+        found[n, :-1] = beside(at, sides, problem, rng).ravel()
         found[n, -1] = least + rng.uniform(0.0, 1.5)
     return genome.clip(found, problem.workspace)
 
@@ -94,13 +94,13 @@ def grow(
     for n in range(size):
         at = rng.integers(2, len(curve) - 2, shape).ravel()
         sides = rng.choice([-1.0, 1.0], len(at))
-        choice = _beside(at, sides, problem, rng).reshape(*shape, genome.GENES)
+        choice = beside(at, sides, problem, rng).reshape(*shape, genome.GENES)
         rows, kappa = matcher.complete(kept, count, choice)
         grown[n] = np.append(rows.ravel(), np.log(kappa))
     return genome.clip(grown, problem.workspace)
 
 
-def _beside(
+def beside(
     at: IntArray, sides: FloatArray, problem: LearningProblem, rng: np.random.Generator
 ) -> FloatArray:
     """Ellipses (n, 5) beside points of the stroke, clear of the demonstrations."""
@@ -111,8 +111,7 @@ def _beside(
     normal /= np.linalg.norm(tangent, axis=1, keepdims=True) + 1e-12
     away = sides * rng.uniform(0.06, 0.45, n)
     centres = curve[at] + away[:, None] * normal
-    points = problem.strokes.points[:, ::2].reshape(-1, 2)
-    clear = np.linalg.norm(points - centres[:, None], axis=-1).min(axis=1)
+    clear = _matching.clearances(centres, problem.clear_points)
     size = np.maximum(clear, 0.05) * rng.uniform(0.3, 0.95, n)
     axes = size[:, None] * rng.uniform(0.6, 1.0, (n, 2))
     angles = rng.uniform(-0.5, 0.5, n) * np.pi
