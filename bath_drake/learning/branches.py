@@ -55,17 +55,8 @@ class Tree:
         if member is None:
             return Branch(np.empty((0, genome.GENES)), 1.0, np.inf, ())
         rows = member[:-1].reshape(-1, genome.GENES)
-        curve = self._problem.strokes.mean
-        places = []
-        for centre in rows[:, :2]:
-            near = int(np.linalg.norm(curve - centre, axis=1).argmin())
-            near = min(max(near, 1), len(curve) - 2)
-            tangent = curve[near + 1] - curve[near - 1]
-            away = centre - curve[near]
-            left = tangent[0] * away[1] - tangent[1] * away[0] > 0.0
-            places.append(int(self._places(np.array([near]), np.array([left]))[0]))
-        kappa = float(np.exp(member[-1]))
-        return Branch(rows, kappa, np.inf, tuple(sorted(places)))
+        places = tuple(sorted(self._places(rows[:, :2]).tolist()))
+        return Branch(rows, float(np.exp(member[-1])), np.inf, places)
 
     def grow(
         self,
@@ -82,9 +73,9 @@ class Tree:
         curve = self._problem.strokes.mean
         first = min(int(begin * len(curve)), len(curve) - 8)
         at = rng.integers(max(first, 2), len(curve) - 2, self._pool)
-        left = rng.random(self._pool) < 0.5
-        choice = beside(at, np.where(left, 1.0, -1.0), self._problem, rng)
-        places = self._places(at, left)
+        sides = rng.choice([-1.0, 1.0], self._pool)
+        choice = beside(at, sides, self._problem, rng)
+        places = self._places(choice[:, :2])
         grown = []
         for branch in branches:
             mismatches, kappas = self._matcher.rate(branch.rows, choice, begin=begin)
@@ -105,6 +96,13 @@ class Tree:
             kept.setdefault(branch.places, branch)
         return list(kept.values())[:width]
 
-    def _places(self, at: IntArray, left: FloatArray) -> IntArray:
-        parts = np.searchsorted(self._edges, at)
+    def _places(self, centres: FloatArray) -> IntArray:
+        """Beside which part of the stroke, and on which side, centres (n, 2) are."""
+        curve = self._problem.strokes.mean
+        apart = np.linalg.norm(centres[:, None] - curve, axis=-1)
+        near = np.clip(apart.argmin(axis=1), 1, len(curve) - 2)
+        tangent = curve[near + 1] - curve[near - 1]
+        away = centres - curve[near]
+        left = tangent[:, 0] * away[:, 1] - tangent[:, 1] * away[:, 0] > 0.0
+        parts = np.searchsorted(self._edges, near)
         return np.asarray(2 * parts + np.where(left, 0, 1))

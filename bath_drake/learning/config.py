@@ -31,16 +31,16 @@ class LearnerConfig:
     seed: int = 0
     """Seed of the one random generator."""
     population: int | None = None
-    """Members of a generation, at least 4; None: 24 ('auto') or 50 ('paper')."""
+    """Members of a generation, at least 4; None: 20 ('auto') or 50 ('paper')."""
     generations: int | None = None
-    """Generations for each obstacle count; None: 8 ('auto') or 80 ('paper')."""
-    seeds: int = 600
-    """First members among which the first population is chosen."""
+    """How many follow the first; None: 12 ('auto') or 80 ('paper')."""
+    seeds: int = 150
+    """Places and shapes among which an obstacle more is chosen."""
     tries: int = 4
     """Members that descend for each number of obstacles of a chain's stage."""
     target: float = 0.025
-    """Fréchet distance to the mean, over the strokes' scale, at which 'auto' is
-    content and tries no further obstacle count."""
+    """What C may exceed half the demonstrations' spread by, over the strokes' scale,
+    for 'auto' to be content and breed no further generation."""
     workspace_radius: float = 2.0
     """Radius of the round workspace, in N, about its origin."""
     points: int = 160
@@ -95,7 +95,7 @@ class LearnerConfig:
             # The paper's members are drawn evenly: a good first guess is rare.
             population=24 if method == "paper" else 8,
             generations=20 if method == "paper" else 2,
-            seeds=100,
+            seeds=40,
             tries=2,
             target=0.05,
             points=100,

@@ -13,7 +13,7 @@ from bath_drake.composition.rollout import ChainRollout
 from bath_drake.errors import DemonstrationError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
-from bath_drake.learning import composer, genome, search
+from bath_drake.learning import composer, genome, search, single
 from bath_drake.learning.alignment import align
 from bath_drake.learning.checkpoint import Checkpoint, Stopped, Under
 from bath_drake.learning.config import LearnerConfig
@@ -22,7 +22,6 @@ from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.grouping import Outlier, group_strokes
 from bath_drake.learning.judge import Judged, judge
 from bath_drake.learning.responses import fit_conditioning
-from bath_drake.learning.seeding import obstacle_counts
 from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes, subset
 from bath_drake.notation import FloatArray
 
@@ -243,18 +242,11 @@ class _Task:
 
     def _singles(self) -> Iterator[Judged]:
         problem = LearningProblem(self.strokes, self.workspace, self.config.margins)
-        best = np.inf
-        for count in _counts(self.strokes, self.config):
-            found = search.candidates(problem, count, self.config, self.journal)
-            for field in found:
-                judged = self._judged(field)
-                yield judged
-                if judged.valid:
-                    best = min(best, judged.to_mean)
-                if len(self.strokes.points) > 1 and self.config.composes:
-                    yield self._following(judged.branch)
-            if best <= self.config.target:
-                break
+        for field in single.single_fields(problem, self.config, self.journal):
+            judged = self._judged(field)
+            yield judged
+            if len(self.strokes.points) > 1 and self.config.composes:
+                yield self._following(judged.branch)
 
     def _following(self, branch: Branch) -> Judged:
         """The same field, turned and stretched as a whole to fit the start."""
@@ -281,14 +273,3 @@ def _check_reach(
                 f"{far:.3g} from the origin of N, allowed: "
                 f"{0.95**0.5 * workspace.semi_axes[0]:.3g}"
             )
-
-
-def _counts(strokes: StrokeSet, config: LearnerConfig) -> tuple[int, ...]:
-    """Numbers of obstacles to try, in turn."""
-    if config.obstacles is not None:
-        return (config.obstacles,)
-    counts = obstacle_counts(strokes.mean)
-    if config.method == "paper":
-        # The paper fixes the number beforehand: two more than the bends.
-        counts = (counts[min(2, len(counts) - 1)],)
-    return counts

@@ -46,8 +46,8 @@ def check_same(a: LearningResult, b: LearningResult) -> None:
 def test_stopped_after_every_step_learning_ends_the_same(
     make_strokes: MakeStrokes, tmp_path: Path, method: Method
 ) -> None:
-    strokes = make_strokes("C", 0)
-    config = replace(LearnerConfig.quick(method=method), obstacles=2)
+    strokes = make_strokes("zigzag", 0)
+    config = replace(LearnerConfig.quick(method=method), obstacles=3, target=0.0)
     whole = learn_skill(strokes, config)
     assert whole.finished
     runs = 0
@@ -64,7 +64,7 @@ def test_stopped_after_every_step_learning_ends_the_same(
             points = len(chain_rollout(result.start, result.chain).path)
             assert points >= (1 if method == "paper" else 2)
     check_same(result, whole)
-    # At least: seeds, generation 0, 1 and 2, and the end.
+    # At least: seeds, first members, two generations.
     assert len(costs) >= 4
     assert min(costs) < costs[0]
 
@@ -130,7 +130,7 @@ def test_candidates_that_fail_are_dropped_and_counted(
     assert result.converged
 
 
-def test_where_every_candidate_fails_the_best_seed_is_left(
+def test_where_every_candidate_fails_the_straight_way_is_left(
     make_strokes: MakeStrokes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(xs: FloatArray, *_: Any) -> FloatArray:
@@ -140,8 +140,8 @@ def test_where_every_candidate_fails_the_best_seed_is_left(
     config = replace(LearnerConfig.quick(), obstacles=2)
     result = learn_skill(make_strokes("wide arc", 0), config)
     assert result.finished
-    assert result.failures >= config.seeds
-    assert result.obstacle_count == 2
+    assert result.failures > 0
+    assert result.obstacle_count == 0
 
 
 def test_a_failing_member_takes_no_other_with_it() -> None:
