@@ -43,13 +43,16 @@ def align(strokes: FloatArray, mean: FloatArray | None = None) -> Alignment:
     """
     if mean is not None:
         return Alignment(_matched(mean, strokes), mean)
+    if len(strokes) == 1:
+        return Alignment(strokes, strokes[0])
     count = strokes.shape[1]
     plain = resample(strokes.mean(axis=0), count)
     warped = plain
-    for _ in range(_ROUNDS if len(strokes) > 1 else 0):
+    for _ in range(_ROUNDS):
         warped = resample(_matched(warped, strokes).mean(axis=0), count)
     worth = _far(warped, strokes) < (1.0 - _GAIN) * _far(plain, strokes)
     chosen = warped if worth else plain
+    chosen[-1] = strokes[0, -1]  # the common goal, whatever the sum rounded to
     return Alignment(_matched(chosen, strokes), chosen)
 
 

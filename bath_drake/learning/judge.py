@@ -14,9 +14,9 @@ from bath_drake.learning.cost import GOAL_TOLERANCE
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.notation import FloatArray
 
-OBSTACLE_PRICE: Final = 0.001
+OBSTACLE_PRICE: Final = 0.0005
 """By what an obstacle must lower the two Fréchet distances to pay for itself."""
-STAGE_PRICE: Final = 0.002
+STAGE_PRICE: Final = 0.001
 """By what a field more must, its obstacles not counted."""
 
 

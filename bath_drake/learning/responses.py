@@ -14,6 +14,7 @@ import numpy as np
 
 from bath_drake.composition.conditioning import NUMBERS, Conditioning, bells
 from bath_drake.learning.alignment import Alignment
+from bath_drake.learning.strokes import extent
 from bath_drake.notation import FloatArray
 
 # Width of the bells, and variance of what no start explains, in units of the starts'
@@ -38,7 +39,7 @@ def fit_conditioning(aligned: Alignment, cuts: Sequence[int]) -> Conditioning:
     starts = aligned.points[:, 0]
     offsets = starts - mean[0]
     spread = float(np.sqrt((offsets**2).sum(axis=1).mean()))
-    size = float(np.ptp(mean, axis=0).max())
+    size = extent(mean)
     spread = max(spread, 1e-3 * size)
     fade = _fading(mean, size)
     basis = np.array([_times(fade, unit) for unit in np.eye(2)])

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from bath_drake.composition.chain import Gate
-from bath_drake.learning.strokes import headings
+from bath_drake.learning.strokes import extent, headings
 from bath_drake.notation import FloatArray
 
 # A stroke's length, in units of its size, weighs like this much turning, rad.
@@ -38,8 +38,8 @@ def cut(curve: FloatArray, count: int) -> tuple[int, ...]:
     last = len(curve) - 1
     turn = np.abs(np.diff(headings(curve)))
     steps = np.linalg.norm(np.diff(curve, axis=0), axis=1)
-    size = float(np.ptp(curve, axis=0).max())
-    effort = np.concatenate([[0.0], np.cumsum(turn + _LENGTH / size * steps)])
+    effort = turn + _LENGTH / extent(curve) * steps
+    effort = np.concatenate([[0.0], np.cumsum(effort)])
     effort /= effort[-1]
     window = np.hanning(15)
     bend = np.convolve(np.pad(turn, 7, mode="edge"), window / window.sum(), "valid")

@@ -114,6 +114,12 @@ def subset(strokes: StrokeSet, members: IntArray) -> StrokeSet:
     )
 
 
+def extent(curve: FloatArray) -> float:
+    """The size of a curve (T, 2), however it is turned: twice its farthest reach."""
+    away = curve - curve.mean(axis=0)
+    return 2.0 * float(np.hypot(*away.T).max())
+
+
 def headings(curve: FloatArray, share: float = 0.06) -> FloatArray:
     """Directions along a curve (T, 2), unwrapped, over chords of a share of it."""
     reach = max(1, round(0.5 * share * len(curve)))
