@@ -2,11 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from bath_drake.demonstrations.processing import canonical_demonstrations
+from bath_drake.demonstrations.recording import read_recording
 from bath_drake.field.navigation import NavigationField, flow_direction, phi
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import rollout
@@ -221,6 +224,37 @@ def test_c_turns_with_the_world_by_right_angles(
 
 def _small() -> PaperSettings:
     return PaperSettings(SimpleGA(population=12, generations=6))
+
+
+def _recorded(folder: Path, strokes: Any, scale: float, offset: float) -> Any:
+    """Strokes as recordings in other coordinates, and back in canonical space."""
+    recordings = []
+    for k, stroke in enumerate(strokes):
+        lines = [
+            f"{0.02 * i!r},{scale * x + offset!r},{scale * y - offset!r}"
+            for i, (x, y) in enumerate(stroke.points.tolist())
+        ]
+        file = folder / f"{scale}_{offset}_{k}.csv"
+        file.write_text("\n".join(["t,x,y", *lines, ""]), encoding="utf-8")
+        recordings.append(read_recording(file))
+    return canonical_demonstrations(recordings)[0]
+
+
+@pytest.mark.parametrize(("scale", "offset"), [(0.5, 0.0), (4.0, 0.0), (1.0, 3.0)])
+def test_where_and_how_large_strokes_were_recorded_does_not_tell(
+    make_strokes: MakeStrokes, tmp_path: Path, scale: float, offset: float
+) -> None:
+    strokes = make_strokes("wide arc", 0, count=2)
+    here = _problem(_recorded(tmp_path, strokes, 1.0, 0.0))
+    there = _problem(_recorded(tmp_path, strokes, scale, offset))
+    # What canonical space does not take out is rounding.
+    np.testing.assert_allclose(here.strokes.points, there.strokes.points, atol=1e-9)
+    found = [paper.learn(p, 2, _small(), 3) for p in (here, there)]
+    # Differences of 1e-4 and six steps of 0.2 grad C make much of that rounding.
+    assert found[0].cost == pytest.approx(found[1].cost, abs=1e-5)
+    np.testing.assert_allclose(
+        found[0].field.obstacles.theta, found[1].field.obstacles.theta, atol=1e-4
+    )
 
 
 def test_the_same_seed_gives_the_same_skill_and_the_best_never_gets_worse(
