@@ -37,9 +37,7 @@ from bath_drake.demonstrations.canonical import (
 )
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
-from bath_drake.field_file import chains_to_mapping, take_chains
-from bath_drake.field_file import field_from_mapping as field_from_mapping
-from bath_drake.field_file import field_to_mapping as field_to_mapping
+from bath_drake.field_file import chains_to_mapping, field_to_mapping, take_chains
 from bath_drake.learning.learner import LearningResult
 from bath_drake.learning.skill import Skill
 from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically

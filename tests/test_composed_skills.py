@@ -13,7 +13,12 @@ from bath_drake.composition.certify import certify_chain
 from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout, chain_times
 from bath_drake.field.rollout import RolloutStatus
-from bath_drake.meshcat_view import Overlay, overlays_of_run
+from bath_drake.meshcat_view import (
+    ROOT,
+    Overlay,
+    overlays_of_run,
+    record_overlays,
+)
 from bath_drake.report import write_report
 from bath_drake.report.run_data import load_run
 from bath_drake.scenario import Scenario
@@ -149,6 +154,48 @@ def test_meshcat_shows_the_obstacles_that_are_followed_apart_from_the_others(run
         assert sum(name.endswith("followed") for name in seen) == 1
         assert sum(name.endswith("waiting") for name in seen) == 2
         assert f"virtual_obstacles/field_{stage}/followed" in seen
+
+
+class _Recorder:
+    """A Meshcat that notes when an object is made visible, and when not."""
+
+    def __init__(self):
+        self.seen = {}
+
+    def __getattr__(self, name):
+        return lambda *arguments: None
+
+    def get_mutable_recording(self):
+        return self
+
+    def frame(self, time):
+        return round(60.0 * time)
+
+    def SetProperty(self, *arguments):  # the animation's has four arguments
+        if len(arguments) == 4:
+            frame, path, name, value = arguments
+            assert name == "visible"
+            self.seen.setdefault(path.removeprefix(f"{ROOT}/"), []).append(
+                (frame / 60.0, value)
+            )
+
+
+def test_the_recording_shows_each_field_while_it_is_followed(run):
+    data, recorder = load_run(run), _Recorder()
+    record_overlays(recorder, data.log, data.evaluation, data.skill)
+    for k in range(3):
+        times = data.log.time[data.log.stage == k]
+        shown = recorder.seen[f"virtual_obstacles/field_{k}/followed"]
+        (begin,) = [t for t, value in shown if value and times[0] - 0.1 <= t]
+        # Frames are a fifteenth of a second apart, samples 0.05 s.
+        assert begin == pytest.approx(times[0], abs=1.0 / 15.0 + 0.05)
+        ends = [t for t, value in shown if not value and t > begin]
+        if k < 2:
+            assert ends[0] == pytest.approx(times[-1], abs=1.0 / 15.0 + 0.05)
+        else:
+            assert ends == []
+        waiting = recorder.seen[f"virtual_obstacles/field_{k}/waiting"]
+        assert waiting == [(t, not value) for t, value in shown]
 
 
 def test_what_belongs_to_no_field_is_always_seen():
