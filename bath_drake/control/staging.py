@@ -75,9 +75,11 @@ def next_stage(chain: Chain, stage: int, point: ArrayLike, areas: ObstacleSet) -
         point: Where the flow is asked, in N.
         areas: Restricted areas; stages whose goal they cover all the same are left out.
     """
+    stage = chain.stage_at(point, stage)
+    if not len(areas):
+        return stage
     left_out = covered(chain, areas)
     left_out[-1] = False
-    stage = chain.stage_at(point, stage)
     while left_out[stage]:
         stage = chain.stage_at(point, stage + 1)
     return stage

@@ -9,6 +9,7 @@ from pydrake.systems.framework import (
     DiscreteStateIndex,
     DiscreteValues,
     LeafSystem,
+    ValueProducer,
 )
 
 from bath_drake.composition.chain import Chain
@@ -53,8 +54,16 @@ class StageSequencer(LeafSystem):
         stage = self.DeclareDiscreteState(drake_vector([0.0]))
         self._stage = int(stage)
         inputs = (self._chain, self._sensed)
-        tickets = {self.input_port_ticket(port.get_index()) for port in inputs}
-        tickets.add(self.discrete_state_ticket(DiscreteStateIndex(self._stage)))
+        # Moving goals takes a while, and areas seldom change.
+        self._moved = self.DeclareCacheEntry(
+            "chain with covered goals moved",
+            ValueProducer(allocate=Value[object], calc=self._calc_moved),
+            {self.input_port_ticket(port.get_index()) for port in inputs},
+        )
+        tickets = {
+            self._moved.ticket(),
+            self.discrete_state_ticket(DiscreteStateIndex(self._stage)),
+        }
         for name, calc in (
             ("navigation_field", self._calc_field),
             ("remaining_chain", self._calc_remaining),
@@ -69,22 +78,27 @@ class StageSequencer(LeafSystem):
             return ObstacleSet()
         return eval_value(self._sensed, context, ObstacleSet)
 
-    def _remaining(self, context: Any) -> Chain:
+    def _calc_moved(self, context: Any, output: Any) -> None:
         chain = eval_value(self._chain, context, Chain)
-        return remaining(
-            around_areas(chain, self._areas(context)), self._reached(context)
-        )
+        output.set_value(around_areas(chain, self._areas(context)))
+
+    def _around(self, context: Any) -> Chain:
+        chain: Any = self._moved.Eval(context)
+        moved: Chain = chain
+        return moved
+
+    def _remaining(self, context: Any) -> Chain:
+        return remaining(self._around(context), self._reached(context))
 
     def _reached(self, context: Any) -> int:
         return int(context.get_discrete_state(self._stage).value()[0])
 
     def _update(self, context: Context, state: DiscreteValues) -> None:
-        areas = self._areas(context)
         stage = next_stage(
-            around_areas(eval_value(self._chain, context, Chain), areas),
+            self._around(context),
             self._reached(context),
             eval_vector(self._p_NQ, context),
-            areas,
+            self._areas(context),
         )
         state.set_value(self._stage, drake_vector([float(stage)]))
 
