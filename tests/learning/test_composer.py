@@ -186,3 +186,18 @@ def test_a_turned_stroke_gives_a_turned_motion(loop, learned):
     # First guesses are not drawn along the turn: other obstacles, the same motion, as
     # near as two that are each within 0.015 of the mean.
     assert discrete_frechet(here.path @ turn.T, there.path) < 0.03
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1.0, (0.1, -0.08)), (0.8, (0.0, 0.0))])
+def test_a_moved_or_smaller_stroke_gives_a_moved_or_smaller_motion(
+    loop, learned, scale, shift
+):
+    aligned = align(scale * loop + np.array(shift))
+    way = plans(aligned)[0]
+    assert way.cuts == learned[1].cuts
+    branch, _ = compose(aligned, way, DISC, ValidityMargins(), (0,), 2, Checkpoint())
+    here = chain_rollout(learned[2].start, learned[2].chain)
+    there = chain_rollout(branch.start, branch.chain)
+    # The workspace and the margins stay where and what they are: as above.
+    moved = scale * here.path + np.array(shift)
+    assert discrete_frechet(moved, there.path) < 0.03
