@@ -33,14 +33,14 @@ class LearnerConfig:
     population: int | None = None
     """Members of a generation, at least 4; None: 20 ('auto') or 50 ('paper')."""
     generations: int | None = None
-    """How many follow the first; None: 12 ('auto') or 80 ('paper')."""
+    """How many follow the first; None: 10 ('auto') or 80 ('paper')."""
     seeds: int = 150
     """Places and shapes among which an obstacle more is chosen."""
     tries: int = 4
     """Members that descend for each number of obstacles of a chain's stage."""
     target: float = 0.025
-    """What C may exceed half the demonstrations' spread by, over the strokes' scale,
-    for 'auto' to be content and breed no further generation."""
+    """What C may exceed a quarter of the demonstrations' spread by, over the strokes'
+    scale, for 'auto' to be content and breed no further generation."""
     workspace_radius: float = 2.0
     """Radius of the round workspace, in N, about its origin."""
     points: int = 160

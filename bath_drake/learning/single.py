@@ -1,11 +1,11 @@
 """The best single field for a stroke: a population over branches and counts.
 
 Members of several numbers of obstacles live in one population and are compared by
-one criterion, the windows' cost with a penalty for each obstacle: so their number is
-found. The first members come from the tree of sides; children gain an obstacle, lose
-one, have one put elsewhere, or are bred of two parents; every child descends by
-multiple shooting, and one that is not proved free of traps pays for it. The best few
-are finished on all demonstrations, as far as they stay proved.
+one criterion, the windows' cost and C with a penalty for each obstacle: so their
+number is found. The first members come from the tree of sides; children gain an
+obstacle, lose one, have one put elsewhere, or are bred of two parents; every child
+descends by multiple shooting, and one that is not proved free of traps pays for it.
+The best few are finished on all demonstrations, as far as they stay proved.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,7 +30,7 @@ from bath_drake.notation import FloatArray
 from bath_drake.threads import parallel_map
 
 _PENALTY = 0.001  # for each obstacle, in N
-_UNPROVED = 0.03  # for a member that is not proved, in N
+_UNPROVED = 0.1  # for a member that is not proved, in N
 _WIDTH = 8  # branches that go on from each depth of the tree
 _STAGES = 12  # in which the stroke's end grows to the whole
 _COARSE = 48  # points of a stroke will do while the basin is sought
@@ -52,12 +52,13 @@ def single_fields(
         count = count if config.obstacles is None else config.obstacles
         return candidates(problem, count, config, journal)
     search = _Search(problem, config, journal)
-    generations = 12 if config.generations is None else config.generations
+    generations = 10 if config.generations is None else config.generations
     journal.plan(generations + 3)
-    found = search.step("seeds", search.seeds)
-    found = search.step("first", partial(search.first, found))
-    # C cannot fall much below the demonstrations' own spread, and finishing lowers it.
-    enough = config.target + 0.5 * problem.strokes.floor
+    # C cannot fall far below the demonstrations' own spread, and finishing lowers it.
+    enough = config.target + 0.25 * problem.strokes.floor
+    found = search.step("by direction", search.by_direction)
+    if search.reached > enough:
+        found = search.step("from the goal", partial(search.from_goal, found))
     for g in range(generations):
         if search.reached <= enough or not found.members:
             break
@@ -96,21 +97,9 @@ class _Search:
             self.reached = min(self.reached, cost)
         return found
 
-    def seeds(self) -> Population:
-        """Branches by the flow's direction, others grown from the goal backwards."""
-        rng = np.random.default_rng([self._config.seed, 0])
-        seeds = [*self._by_direction(rng), *self._from_goal(rng)]
-        seeds = [self._sized(x, rng) for x in seeds]
-        return Population.of(seeds, self._costs(seeds))
-
-    def first(self, seeds: Population) -> Population:
-        """The seeds after their descent."""
-        grown = self._descend(seeds.members, self._far, prove=True)
-        return grown.distinct(self._size)
-
     def next(self, population: Population, number: int) -> Population:
         """One generation more; the best member never gets worse."""
-        rng = np.random.default_rng([self._config.seed, number + 1])
+        rng = np.random.default_rng([self._config.seed, number + 2])
         scale = 0.3 * 0.85**number
         children: list[FloatArray] = []
         while population.members and len(children) < self._size:
@@ -118,7 +107,9 @@ class _Search:
         # The elite goes through the descent again: each generation takes it further.
         elite = population.members[: max(1, self._size // 4)]
         members = (*children[: self._size], *elite)
-        grown = self._descend(members, self._far, prove=True)
+        full = len(population.members) == self._size
+        worst = float(population.costs[-1]) if full else np.inf
+        grown = self._judge(self._descend(members, self._far), worst)
         return (population + grown).distinct(self._size)
 
     def finish(self, population: Population) -> Population:
@@ -130,12 +121,16 @@ class _Search:
             except FAILURES:
                 return x, np.inf, 1
 
-        return self._gathered(
-            parallel_map(finish, population.distinct(_FINALISTS).members)
-        )
+        left = population.members
+        done = Population((), np.empty(0))
+        while left and not any(proved(x, self._problem) for x in done.members):
+            done += self._gathered(parallel_map(finish, left[:_FINALISTS]))
+            left = left[_FINALISTS:]
+        return done
 
-    def _by_direction(self, rng: np.random.Generator) -> list[FloatArray]:
-        """The tree's best branches of every depth, after a descent on short windows."""
+    def by_direction(self) -> Population:
+        """The tree's best branches of every depth, after their descent."""
+        rng = np.random.default_rng([self._config.seed, 0])
         branches = [self._tree.root()]
         seeds = [branches[0].member]
         deepest = len(bends(self._problem.strokes.mean)) + 3
@@ -143,14 +138,16 @@ class _Search:
             branches = self._tree.grow(branches, _WIDTH, rng)
             seeds += [b.member for b in branches]
         near = self._descend(seeds, self._near, 6).members
-        return list(Population.of(near, self._costs(near)).distinct(self._size).members)
+        best = Population.of(near, self._costs(near)).distinct(self._size).members
+        return self._first(best, rng)
 
-    def _from_goal(self, rng: np.random.Generator) -> list[FloatArray]:
-        """Members that learned ever longer ends of the stroke.
+    def from_goal(self, population: Population) -> Population:
+        """Members that learned ever longer ends of the stroke, beside those there are.
 
         Where the flow comes from the end is settled first; what is added leads into
         what works already. Every stage offers an obstacle more, on either side.
         """
+        rng = np.random.default_rng([self._config.seed, 1])
         found = Population((self._tree.root().member,), np.zeros(1))
         for stage in range(1, _STAGES + 1):
             begin = 1.0 - stage / _STAGES
@@ -158,7 +155,14 @@ class _Search:
             for x in found.members:
                 members += self._insert(x, rng, 3, begin)
             found = self._descend(members, self._end(begin)).distinct(_WIDTH)
-        return list(found.members)
+        return (population + self._first(found.members, rng)).distinct(self._size)
+
+    def _first(
+        self, members: Sequence[FloatArray], rng: np.random.Generator
+    ) -> Population:
+        """Members as their first generation, after a descent on whole strokes."""
+        seeds = [self._sized(x, rng) for x in members]
+        return self._judge(self._descend(seeds, self._far)).distinct(self._size)
 
     def _end(self, begin: float) -> Windows:
         """Windows on what lies behind the share ``begin`` of the stroke."""
@@ -230,13 +234,10 @@ class _Search:
         return self._journal.count(np.array(parts).reshape(-1))
 
     def _descend(
-        self,
-        members: Sequence[FloatArray],
-        windows: Windows,
-        iterations: int = 10,
-        *,
-        prove: bool = False,
+        self, members: Sequence[FloatArray], windows: Windows, iterations: int = 10
     ) -> Population:
+        """Members after multiple shooting; the windows' cost and the obstacles'."""
+
         def descend(x: FloatArray) -> tuple[FloatArray, float, int]:
             try:
                 x, cost, count = shooting.fit(
@@ -244,12 +245,25 @@ class _Search:
                 )
             except FAILURES:
                 return x, np.inf, 1
-            cost += _PENALTY * genome.obstacle_count(x)
-            if prove and not proved(x, self._problem):
-                cost += _UNPROVED
-            return x, cost, count
+            return x, cost + _PENALTY * genome.obstacle_count(x), count
 
         return self._gathered(parallel_map(descend, members))
+
+    def _judge(self, population: Population, worst: float = np.inf) -> Population:
+        """With C in the costs, and what being unproved costs.
+
+        Above ``worst`` no member is kept: what costs more is not worth a proof.
+        """
+
+        def judged(k: int) -> float:
+            x, cost = population.members[k], float(population.costs[k])
+            cost += float(self._problem.evaluate(x[None], grid=False).total[0])
+            if cost < worst and proved(x, self._problem):
+                return cost
+            return cost + _UNPROVED
+
+        costs = parallel_map(judged, range(len(population.members)))
+        return Population.of(population.members, np.array(costs))
 
     def _gathered(self, found: list[tuple[FloatArray, float, int]]) -> Population:
         """Members, their costs and the evaluations each took, as a population."""

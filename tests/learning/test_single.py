@@ -101,7 +101,7 @@ def test_no_generation_is_worse_than_the_last(make_strokes: MakeStrokes) -> None
     problem = _problem(make_strokes, "zigzag")
     config = replace(LearnerConfig.quick(), target=0.0)
     search = _Search(problem, config, _journal(problem))
-    found = search.first(search.seeds())
+    found = search.by_direction()
     for number in range(3):
         before, found = found, search.next(found, number)
         assert found.costs[0] <= before.costs[0]
@@ -114,7 +114,7 @@ def test_finishing_keeps_what_is_proved_and_gets_no_worse(
 ) -> None:
     problem = _problem(make_strokes, "J")
     search = _Search(problem, LearnerConfig.quick(), _journal(problem))
-    x = search.first(search.seeds()).members[0]
+    x = search.by_direction().members[0]
     y, cost, _ = finished(x, problem)
     before, after = (
         float(problem.evaluate(z[None], grid=False).total[0]) for z in (x, y)
