@@ -156,7 +156,9 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
             world.start,
             run.metrics["certificate"].get("sensed_areas", 0),
         ),
-        "The world that was driven in, with its certificate",
+        "The world that was driven in, with its certificate"
+        if len(chain) == 1
+        else "The last world that was driven in, with its certificate",
         "Learned and sensed obstacles together. The colours tell where roll-outs from "
         "a grid of starts end; the dot is the start that the proof was made for.",
     )
