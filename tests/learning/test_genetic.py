@@ -1,4 +1,4 @@
-"""The genetic algorithm, local descent, and why the paper needs both."""
+"""Local descent, which cannot cross the path; crossover and mutation; the vector."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from bath_drake.field.rollout import rollout
 from bath_drake.learning import genome
 from bath_drake.learning.descent import descend
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.learning.genetic import GeneticSettings, crossover, evolve, mutate
+from bath_drake.learning.genetic import crossover, mutate
 from bath_drake.notation import FloatArray
 
 _DISC = Workspace(np.zeros(2), np.array([2.0, 2.0]))
@@ -73,30 +73,6 @@ def test_descent_alone_cannot_carry_an_obstacle_across_the_path() -> None:
     assert (costs > 0.1).all()
 
 
-def test_the_genetic_algorithm_carries_it_across() -> None:
-    problem = OneDisc()
-    first = np.stack([_member(x) for x in (-0.1, -0.2, -0.3, -0.4)])
-    settings = GeneticSettings(population=8, generations=6, elite=2)
-
-    def immigrants(n: int, rng: np.random.Generator) -> FloatArray:
-        return np.array([_member(x) for x in rng.uniform(-1.5, 1.5, n)])
-
-    xs, costs = evolve(
-        problem.cost,
-        first,
-        settings,
-        [0],
-        immigrants=immigrants,
-        clip=problem.clip,
-        improve=lambda xs: descend(
-            problem.cost, xs, genome.scales(1), iterations=2, clip=problem.clip
-        ),
-    )
-    assert xs[0, 0] > 0.0
-    # The true place is 0.1; points 0.02 apart leave the cost that coarse.
-    assert costs[0] < 0.02
-
-
 def test_descent_goes_to_the_bottom_of_a_bowl_and_never_up() -> None:
     centre = np.array([0.3, -0.2, 0.1])
 
@@ -110,84 +86,6 @@ def test_descent_goes_to_the_bottom_of_a_bowl_and_never_up() -> None:
     np.testing.assert_allclose(costs, bowl(xs))
     # Steps shrink fourfold at most: 40 of them halve the distance ten times at least.
     np.testing.assert_allclose(xs, np.tile(centre, (5, 1)), atol=1e-2)
-
-
-def test_evolution_keeps_its_best_and_repeats_itself_with_its_seed() -> None:
-    def bowl(xs: FloatArray) -> FloatArray:
-        return (xs**2).sum(axis=1)
-
-    def run() -> tuple[FloatArray, list[float]]:
-        rng = np.random.default_rng(4)
-        curve: list[float] = []
-
-        def report(x: FloatArray) -> bool:
-            curve.append(float((x**2).sum()))
-            return False
-
-        xs, _ = evolve(
-            bowl,
-            rng.normal(size=(20, 11)),
-            GeneticSettings(population=20, generations=15),
-            [4],
-            immigrants=lambda n, r: r.normal(size=(n, 11)),
-            clip=lambda xs: xs,
-            report=report,
-        )
-        return xs, curve
-
-    xs, curve = run()
-    again, _ = run()
-    np.testing.assert_array_equal(xs, again)
-    assert len(curve) == 15
-    assert (np.diff(curve) <= 0.0).all()
-    assert curve[-1] < 0.5 * curve[0]
-
-
-def test_members_that_cannot_be_evaluated_cost_nothing_else() -> None:
-    settings = GeneticSettings(population=20, generations=10)
-    first = np.random.default_rng(1).normal(size=(30, 6))
-
-    def breed(hole: float) -> tuple[FloatArray, FloatArray]:
-        def cost(xs: FloatArray) -> FloatArray:
-            return np.where(xs[:, 0] > hole, np.nan, (xs**2).sum(axis=1))
-
-        return evolve(
-            cost,
-            first,
-            settings,
-            [2],
-            immigrants=lambda n, r: r.normal(size=(n, 6)),
-            clip=lambda xs: xs,
-        )
-
-    xs, costs = breed(0.2)
-    assert np.isfinite(costs).all()
-    assert (xs[:, 0] <= 0.2).all()
-    assert costs[0] < 0.5 * (first[first[:, 0] <= 0.2] ** 2).sum(axis=1).min()
-    xs, costs = breed(-np.inf)
-    assert xs.shape == (0, 6)
-    assert costs.shape == (0,)
-
-
-def test_an_elite_whose_descent_fails_stays_what_it_was() -> None:
-    first = np.linspace(1.0, 2.0, 10)[:, None] * np.ones(6)
-    calls = []
-
-    def improve(xs: FloatArray) -> tuple[FloatArray, FloatArray]:
-        calls.append(len(xs))
-        costs = (xs**2).sum(axis=1)
-        return xs, costs if len(calls) == 1 else np.full(len(xs), np.inf)
-
-    xs, _ = evolve(
-        lambda xs: (xs**2).sum(axis=1),
-        first,
-        GeneticSettings(population=8, generations=3, elite=2),
-        [2],
-        immigrants=lambda n, r: r.normal(size=(n, 6)),
-        clip=lambda xs: xs,
-        improve=improve,
-    )
-    np.testing.assert_array_equal(xs, first[:2])
 
 
 def test_a_child_of_twins_is_their_copy_whatever_the_order_of_obstacles() -> None:
