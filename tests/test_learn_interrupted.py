@@ -186,6 +186,8 @@ def start(out, **environment):
 @pytest.mark.slow
 def test_twenty_kills_change_no_bit(tmp_path):
     undisturbed = tmp_path / "whole.yaml"
+    assert start(undisturbed).wait() == 0  # with a compiler's time, perhaps
+    undisturbed.unlink()
     begin = time.monotonic()
     assert start(undisturbed).wait() == 0
     longest = time.monotonic() - begin

@@ -88,7 +88,8 @@ def run(options: argparse.Namespace) -> int:
 
         def progress(done: int, total: int, cost: float) -> None:
             bar.total = total
-            bar.set_postfix(C=f"{cost:.4f}", refresh=False)
+            if cost < float("inf"):
+                bar.set_postfix(C=f"{cost:.4f}", refresh=False)
             bar.update(done - bar.n)
 
         def stop() -> None:

@@ -1,5 +1,6 @@
 """Learning a chain: a stroke cut into stages, each learned by itself."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -113,6 +114,7 @@ def compose(
     seed: tuple[int, ...],
     tries: int,
     steps: Steps,
+    report: Callable[[], None] = lambda: None,
 ) -> tuple[Branch, int]:
     """Learns a chain of aligned demonstrations, stage by stage.
 
@@ -124,6 +126,7 @@ def compose(
         seed: Of the random generators.
         tries: How many members descend for each stage.
         steps: Where finished stages are kept.
+        report: Called after each stage, from any thread.
 
     Returns:
         The branch, and how many members' roll-outs it took.
@@ -133,7 +136,9 @@ def compose(
         problem = stage_problem(how.stages[k], workspace, margins)
         # Plans of as many stages may still be cut elsewhere.
         own = Under(steps, f"cuts {' '.join(map(str, how.cuts))}/stage {k}")
-        return _fewest(problem, (*seed, len(how.stages), k), tries, own)
+        found = _fewest(problem, (*seed, len(how.stages), k), tries, own)
+        report()
+        return found
 
     learned = parallel_map(learn, range(len(how.stages)))
     branch = Branch(

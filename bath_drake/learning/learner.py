@@ -29,7 +29,7 @@ CONVERGED_FRECHET = 0.10
 """Greatest Fréchet distance to the mean, over the scale, that counts as learned."""
 
 Progress = Callable[[int, int, float], None]
-"""Called with steps done, steps in all, and the best cost so far."""
+"""Called with steps done, steps in all, and the best cost so far (inf: none yet)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +224,7 @@ class _Task:
     def _chains(self) -> Iterator[Judged]:
         aligned = align(self.strokes.points)
         ways = composer.plans(aligned)
-        self.journal.plan(len(ways))
+        self.journal.plan(sum(len(way.stages) + 1 for way in ways))
         for way in ways:
             branch, evaluations = composer.compose(
                 aligned,
@@ -234,6 +234,7 @@ class _Task:
                 (self.config.seed, self.number),
                 self.config.tries,
                 self.journal.checkpoint,
+                self.journal.tick,
             )
             judged = judge(branch, self.strokes.points, self.strokes.scale)
             self.journal.evaluations += evaluations

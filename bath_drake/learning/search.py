@@ -1,5 +1,6 @@
 """The journal of a search, and the paper's search."""
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -20,7 +21,7 @@ class Journal:
     Attributes:
         rounds: How many obstacle counts may be tried.
         scale: What costs are divided by.
-        progress: Called with steps done, steps in all and the best cost.
+        progress: Called with steps done, steps in all, the best cost (inf: none yet).
         checkpoint: Keeps what steps gave.
         history: (members evaluated, best C over the scale), ever better.
         evaluations: How many members were evaluated.
@@ -37,6 +38,7 @@ class Journal:
     failures: int = 0
     best: FloatArray | None = None
     _least: float = np.inf
+    _guard: threading.Lock = field(default_factory=threading.Lock)
     _done: int = 0
     _total: int = 0
 
@@ -79,8 +81,13 @@ class Journal:
             self.best, self._least = x, total
         best = min(cost, self.history[-1][1]) if self.history else cost
         self.history.append((self.evaluations, best))
-        self._done += 1
-        self._tell()
+        self.tick()
+
+    def tick(self) -> None:
+        """Says that a step is done; any thread may."""
+        with self._guard:
+            self._done += 1
+            self._tell()
 
     def turn_to(self, checkpoint: Steps) -> None:
         """Begins something else to learn, with steps of its own."""
@@ -93,8 +100,9 @@ class Journal:
         self._tell()
 
     def _tell(self) -> None:
-        if self.progress is not None and self.history:
-            self.progress(self._done, self._total, self.history[-1][1])
+        if self.progress is not None:
+            best = self.history[-1][1] if self.history else np.inf
+            self.progress(self._done, self._total, best)
 
 
 def candidates(

@@ -89,6 +89,22 @@ def test_a_chain_stopped_again_and_again_ends_the_same(
     check_same(result, whole)
 
 
+def test_progress_tells_of_every_stage_of_a_chain(make_strokes: MakeStrokes) -> None:
+    told: list[tuple[int, int, float]] = []
+    config = replace(LearnerConfig.quick(), fields="many")
+    result = learn_skill(
+        make_strokes("C", 0), config, lambda *told_now: told.append(told_now)
+    )
+    done = [now for now, _, _ in told]
+    assert done[:-1] == list(range(1, len(told)))  # the last says that it is the end
+    assert all(now <= total for now, total, _ in told)
+    assert done[-1] == told[-1][1]
+    # No cost is known before the first chain is whole.
+    assert told[0][2] == np.inf
+    assert told[-1][2] == result.cost_history[-1][1]
+    assert len(told) > len(result.cost_history) + len(result.chain)
+
+
 def test_the_number_of_workers_does_not_tell(
     make_strokes: MakeStrokes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
