@@ -1,13 +1,21 @@
 """Worlds made ahead of the gate."""
 
 import numpy as np
+import pytest
 from made_up_skill import composed_skill, crossing_chain
 
+from bath_drake.composition.chain import Chain
 from bath_drake.control.areas import inflated
 from bath_drake.control.outlook import look_ahead
-from bath_drake.control.staging import remaining
+from bath_drake.control.staging import (
+    around_areas,
+    entry_point,
+    next_stage,
+    remaining,
+)
 from bath_drake.control.world import join_areas
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.rollout import RolloutStatus, rollout
 
 CHAIN = crossing_chain()
 START = composed_skill().start
@@ -55,3 +63,26 @@ def test_a_new_area_makes_all_worlds_anew_and_a_flicker_none():
     grown = look(outlook, inflated(AREAS, 2.0 * SLACK))
     assert len(grown.worlds) == 1
     assert grown.worlds[0].learned == CHAIN.fields[0]
+
+
+@pytest.mark.parametrize("size", [0.08, 0.15, 0.25])
+@pytest.mark.parametrize("k", [0, 1])
+def test_round_a_covered_goal_every_world_is_proved_and_the_last_goal_reached(k, size):
+    areas = ObstacleSet(np.array([[*CHAIN.fields[k].goal, size, 0.7 * size, 0.3]]))
+    moved = around_areas(CHAIN, inflated(areas, SLACK))
+    outlook, point = None, START
+    for stage in range(len(moved)):
+        assert next_stage(moved, stage, point, inflated(areas, SLACK)) == stage
+        chain = remaining(moved, stage)
+        # As frame after frame does it: this world, then the next.
+        for _ in range(2):
+            outlook = look(outlook, areas, chain, point)
+        world = outlook.world_of(chain.fields[0])
+        assert world.certificate.passed
+        if len(chain) > 1:
+            driven = Chain((world.field, chain.fields[1]), chain.gates[:1])
+            point = entry_point(point, driven)
+            assert chain.gates[0].holds(point)
+    end = rollout(point, world.field)
+    assert end.status is RolloutStatus.ARRIVED
+    np.testing.assert_array_equal(world.field.goal, CHAIN.goal)
