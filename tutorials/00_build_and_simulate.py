@@ -1,10 +1,11 @@
 # %% [markdown]
 # # Build and simulate
 #
-# A *skill* is a navigation field learned from a carer's strokes. A *scenario* says
-# who is washed, where the camera and the arm stand, and what the run is judged by.
-# Out of both comes one Drake Diagram: camera, perception, controller, arm. Here we
-# build it, run it for a few seconds of simulated time and look at what it did.
+# A *skill* is a navigation field learned from a carer's strokes, or a chain of them
+# (tutorial 03). A *scenario* says who is washed, where the camera and the arm stand,
+# and what the run is judged by. Out of both comes one Drake Diagram: camera,
+# perception, controller, arm. Here we build it, run it for a few seconds of simulated
+# time and look at what it did.
 
 # %%
 import matplotlib.pyplot as plt

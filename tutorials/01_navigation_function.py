@@ -389,5 +389,6 @@ print(certify(broadside, starts=[[4.0, 2.0], [2.0, -3.0]]).verdict, "on the righ
 print(certify(broadside, starts=[[-4.0, 0.5]]).verdict, "from the left")
 
 # %% [markdown]
-# From here: `bath-drake learn` learns a field from recordings and `bath-drake certify`
-# certifies any field in a file; every skill carries the certificate of its field.
+# From here: `bath-drake learn` learns a skill of one field or more from recordings and
+# `bath-drake certify` certifies any field in a file; every skill carries the
+# certificate of its fields. Tutorial 02 is about the paper's learner, 03 about ours.

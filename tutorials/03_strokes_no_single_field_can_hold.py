@@ -16,6 +16,7 @@ import numpy as np
 from bath_drake.benchmarks.methods import blended_mean, learner
 from bath_drake.benchmarks.peers import dynamic_movement_primitive
 from bath_drake.benchmarks.reproduction import Shape, crosses_itself, evaluate
+from bath_drake.composition.branch import nearest_branch
 from bath_drake.composition.certify import certify_chain
 from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout
@@ -58,13 +59,13 @@ WORKSPACE, MARGINS = Workspace(np.zeros(2), np.full(2, 2.0)), ValidityMargins()
 # %% [markdown]
 # ## The number of obstacles, of one field
 #
-# An S, learned with 0 to 5 ellipses, and once with their number free. Every further one
-# brings the flow nearer to the demonstrations, but each is also one more thing to be
-# moved about at run time, and one more place for a trap. So the criterion
-# (`judge.Judged.price`) adds to what is left of the error, the Fréchet distances of the
-# reproduction to the mean and of each demonstration to its own reproduction, a charge
-# for each obstacle and for each field beyond the first. The search with the number free
-# lets members of different numbers compete in one population.
+# An S, learned with 0 to 5 ellipses, and once with their number free. The first few
+# bring the flow much nearer to the demonstrations, further ones hardly, and each is one
+# more thing to be moved about at run time. So the criterion (`judge.Judged.price`) adds
+# to what is left of the error, the Fréchet distances of the reproduction to the mean
+# and of each demonstration to its own reproduction, a charge for each obstacle and for
+# each field beyond the first. The search with the number free lets members of different
+# numbers compete in one population.
 
 # %%
 print(f"charged: {OBSTACLE_PRICE} an obstacle, {STAGE_PRICE} a further field")
@@ -213,9 +214,10 @@ best = [depth[0] for depth in depths[1:]]
 assert best[0].mismatch > best[1].mismatch > best[2].mismatch
 
 # %% [markdown]
-# (L1: left of the first bend.) The decisions are not independent: what is best with one
-# obstacle need not be part of what is best with two. So the best eight branches of each
-# depth go on, and all of them are the first members of the search.
+# (L1: left of the first bend; of an S each half counts as two.) The decisions are not
+# independent: what is best with one obstacle need not be part of what is best with two.
+# So the best eight branches of each depth go on, and the best of all depths are among
+# the first members of the search.
 
 # %%
 assert not set(best[0].places) <= set(best[1].places)
@@ -285,6 +287,9 @@ assert two_ways.converged, "both branches proved, both near their mean"
 # A motion takes the branch whose demonstrations begin nearest to its start, for good.
 
 # %%
+for branch in two_ways.branches:
+    for start in branch.starts:
+        assert nearest_branch(two_ways.branches, start) is branch
 with style.figure_style():
     figure, axes = plt.subplots(figsize=(7.0, 5.6), layout="constrained")
     for k, stroke in enumerate(drawn):
