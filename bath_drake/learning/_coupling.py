@@ -23,19 +23,31 @@ def _couple(
     """Best monotone coupling of a path and a target under sum |difference|^power."""
     half = 0.5 * power
     for i in range(n):
+        x = path[i, 0]
+        y = path[i, 1]
+        row = table[i]
+        # First what does not hang on its neighbour: it goes several at a time.
         for j in range(m):
-            dx = path[i, 0] - target[j, 0]
-            dy = path[i, 1] - target[j, 1]
-            d = dx * dx + dy * dy + 1e-12
-            if power != 2.0:
-                d = d**half
-            if i == 0:
-                table[i, j] = d + (table[i, j - 1] if j > 0 else 0.0)
-            elif j == 0:
-                table[i, j] = d + table[i - 1, j]
-            else:
-                before = min(table[i - 1, j - 1], min(table[i - 1, j], table[i, j - 1]))
-                table[i, j] = d + before
+            dx = x - target[j, 0]
+            dy = y - target[j, 1]
+            row[j] = dx * dx + dy * dy + 1e-12
+        if power == 6.0:
+            for j in range(m):
+                row[j] = row[j] * row[j] * row[j]
+        elif power != 2.0:
+            for j in range(m):
+                row[j] = row[j] ** half
+        if i == 0:
+            for j in range(1, m):
+                row[j] += row[j - 1]
+            continue
+        above = table[i - 1]
+        last = row[0] + above[0]
+        row[0] = last
+        for j in range(1, m):
+            before = above[j] if above[j] < above[j - 1] else above[j - 1]
+            last = row[j] + (last if last < before else before)
+            row[j] = last
     for i in range(n):
         weight[i] = 0.0
         pull[i, 0] = 0.0

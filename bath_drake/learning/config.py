@@ -31,16 +31,16 @@ class LearnerConfig:
     seed: int = 0
     """Seed of the one random generator."""
     population: int | None = None
-    """Members of a generation, at least 4; None: 20 ('auto') or 50 ('paper')."""
+    """Members of a generation, at least 4; None: 24 ('auto') or 50 ('paper')."""
     generations: int | None = None
-    """How many follow the first; None: 10 ('auto') or 80 ('paper')."""
+    """How many follow the first; None: 12 ('auto') or 80 ('paper')."""
     seeds: int = 150
     """Places and shapes among which an obstacle more is chosen."""
     tries: int = 4
     """Members that descend for each number of obstacles of a chain's stage."""
     target: float = 0.025
-    """What C may exceed a quarter of the demonstrations' spread by, over the strokes'
-    scale, for 'auto' to be content and breed no further generation."""
+    """C, over the strokes' scale, at which a single field is good enough and 'auto'
+    breeds no further generation; up to twice that where demonstrations are spread."""
     workspace_radius: float = 2.0
     """Radius of the round workspace, in N, about its origin."""
     points: int = 160

@@ -52,10 +52,10 @@ def single_fields(
         count = count if config.obstacles is None else config.obstacles
         return candidates(problem, count, config, journal)
     search = _Search(problem, config, journal)
-    generations = 10 if config.generations is None else config.generations
+    generations = 12 if config.generations is None else config.generations
     journal.plan(generations + 3)
     # C cannot fall far below the demonstrations' own spread, and finishing lowers it.
-    enough = config.target + 0.25 * problem.strokes.floor
+    enough = config.target + min(0.25 * problem.strokes.floor, config.target)
     found = search.step("by direction", search.by_direction)
     if search.reached > enough:
         found = search.step("from the goal", partial(search.from_goal, found))
@@ -79,7 +79,7 @@ class _Search:
         self._problem = problem
         self._config = config
         self._journal = journal
-        self._size = 20 if config.population is None else config.population
+        self._size = 24 if config.population is None else config.population
         self._most = MAX_OBSTACLES if config.obstacles is None else config.obstacles
         self._tree = Tree(problem, config.seeds)
         mean = _thinned(problem.strokes.mean[None], _COARSE)
