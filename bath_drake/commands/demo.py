@@ -24,7 +24,6 @@ def run(options: argparse.Namespace) -> int:
     skill_path = options.out / "learned_skill.yaml"
     files = [str(find_demonstration(name)) for name in scenario.demonstrations]
     words = [*files, "-o", str(skill_path), "--seed", str(scenario.random_seed)]
-    words += ["--fields", "one"]
     if learn.checkpoint_path(skill_path).exists():
         words.append("--resume")  # the demo before was stopped while it learned
     parser = argparse.ArgumentParser()
