@@ -10,8 +10,9 @@ from bath_drake.notation import FloatArray, IntArray
 
 # Demonstrations nearer than this share of the strokes' scale go the same way.
 ALIKE = 0.35
-# One that is alone is an outlier where so many others agree.
-_QUORUM = 3
+# One that is alone is an outlier where so many others agree, if it starts this near to
+# them, in shares of the scale: starts decide which way a motion goes.
+_QUORUM, _BESIDE = 3, 0.2
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ def group_strokes(
 
     Two that are near by the Fréchet distance go the same way, and so do both's
     neighbours (single linkage). A stroke that is alone where three or more others agree
-    is an outlier; where demonstrations are that few it is a way of its own.
+    is an outlier if it starts where they do; from elsewhere, or where demonstrations are
+    that few, it is a way of its own.
 
     Returns:
         Each group's indices, the largest group first, and the outliers.
@@ -57,7 +59,9 @@ def group_strokes(
     outliers = []
     for group in groups:
         i = int(group[0])
-        if len(group) > 1 or len(groups[0]) < _QUORUM:
+        starts = np.delete(strokes[:, 0], i, axis=0) - strokes[i, 0]
+        beside = float(np.hypot(*starts.T).min(initial=np.inf)) <= _BESIDE * scale
+        if len(group) > 1 or len(groups[0]) < _QUORUM or not beside:
             kept.append(group)
             continue
         nearest = float(np.delete(apart[i], i).min())
@@ -65,7 +69,7 @@ def group_strokes(
             Outlier(
                 i,
                 names[i],
-                f"goes another way than the others: its Fréchet distance to the "
+                f"starts like others and goes another way: its Fréchet distance to the "
                 f"nearest is {nearest:.2f} of the strokes' scale, allowed: below "
                 f"{ALIKE}",
             )

@@ -19,7 +19,7 @@ from bath_drake.notation import FloatArray
 
 # Width of the bells, and variance of what no start explains, in units of the starts'
 # own spread and of the process's variance.
-WIDTH, NOISE = 2.0, 0.7
+WIDTH, NOISE = 2.0, 0.85
 # Share of an offset that turns and stretches the stroke; the rest fades out evenly.
 TURNED = 0.3
 # Starts farther out than this many times the farthest demonstration's are not trusted.

@@ -46,6 +46,14 @@ def test_a_lone_stroke_among_many_is_named_and_left_out():
     assert f"below {ALIKE}" in outlier.reason
 
 
+def test_a_lone_stroke_from_elsewhere_is_a_way_of_its_own():
+    strokes = arcs(0.5, 0.5, -0.6, 0.52)
+    strokes[2] += np.linspace([-0.1, -0.3], [0.0, 0.0], 60)
+    groups, outliers = group_strokes(strokes, 1.0, names(strokes))
+    assert [g.tolist() for g in groups] == [[0, 1, 3], [2]]
+    assert outliers == ()
+
+
 def test_of_two_strokes_none_is_an_outlier():
     strokes = arcs(0.5, -0.5)
     groups, outliers = group_strokes(strokes, 1.0, names(strokes))
