@@ -10,7 +10,7 @@ from bath_drake.diagrams import build_reproduction
 from bath_drake.errors import RunFolderError
 from bath_drake.learning.skill import Skill
 from bath_drake.meshcat_view import record_overlays, write_static_page
-from bath_drake.report import write_report
+from bath_drake.report.page import write_report
 from bath_drake.scenario import Scenario, dump_scenario
 from bath_drake.simulation import Progress, run
 from bath_drake.skill_file import save_skill

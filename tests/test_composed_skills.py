@@ -19,7 +19,7 @@ from bath_drake.meshcat_view import (
     overlays_of_run,
     record_overlays,
 )
-from bath_drake.report import write_report
+from bath_drake.report.page import write_report
 from bath_drake.report.run_data import load_run
 from bath_drake.scenario import Scenario
 from bath_drake.skill_file import certified, load_skill, save_skill

@@ -61,7 +61,7 @@ def test_a_scenario_loads_from_the_wheel_alone(unpacked, tmp_path):
 def test_the_wheel_carries_the_reports_templates(unpacked, tmp_path):
     shipped = CHECKOUT / "bath_drake" / "report" / "templates"
     program = (
-        "from bath_drake.report import page, write_report; import jinja2;"
+        "from bath_drake.report import page; import jinja2;"
         "print(*jinja2.PackageLoader('bath_drake.report').list_templates())"
     )
     names = run_from(unpacked, program, tmp_path).split()
@@ -72,7 +72,7 @@ def test_the_wheel_carries_the_reports_templates(unpacked, tmp_path):
 def test_a_report_is_written_from_the_wheel_alone(unpacked, tmp_path):
     folder = write_run(tmp_path / "run", Scenario(description="A made-up run."))
     program = (
-        "import pathlib; from bath_drake.report import write_report;"
+        "import pathlib; from bath_drake.report.page import write_report;"
         f"print(write_report(pathlib.Path({str(folder)!r})))"
     )
     assert run_from(unpacked, program, tmp_path) == str(folder / "report.html")

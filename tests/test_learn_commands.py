@@ -89,17 +89,48 @@ def test_learning_writes_a_skill_that_knows_its_data_and_a_picture(skill, arc):
     assert learned.certificate["verdict"] == "proved"
     assert learned.frechet["to_mean"] <= 0.1
     assert len(learned.field.obstacles) == 2
-    picture = skill.with_suffix(".png")
-    assert picture.read_bytes().startswith(b"\x89PNG")
     assert sorted(path.name for path in skill.parent.iterdir()) == [
         "arc.png",
         "arc.yaml",
+        "arc_fields.png",
+        "arc_generalisation.png",
+        "arc_population.png",
+    ]
+    for picture in skill.parent.glob("*.png"):
+        assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_holding_out_says_how_well_each_demonstration_is_foreseen(
+    arc, tmp_path, capsys
+):
+    other = tmp_path / "arc_again.csv"
+    other.write_text(arc.read_text())
+    output = tmp_path / "s.yaml"
+    words = ["learn", str(arc), str(other), "-o", str(output), "--quick"]
+    words += ["--obstacles", "2", "--held-out"]
+    assert main([*words, "--pictures", "one"]) == 0
+    said = capsys.readouterr().out
+    assert "held out (learned from the others)" in said
+    for line in said.splitlines():
+        if line.startswith("  arc_again: 0."):
+            # Both are the same recording: what is foreseen of it is what is learned.
+            inside, outside = (float(x) for x in line.split(": ")[1].split(", "))
+            assert abs(inside - outside) < 0.02
+            break
+    else:
+        raise AssertionError("arc_again is not held out")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "arc_again.csv",
+        "s.png",
+        "s.yaml",
+        "s_held_out.png",
     ]
 
 
 def test_learning_prints_a_table_and_no_progress_in_a_pipe(arc, tmp_path, capsys):
     output = tmp_path / "s.yaml"
     words = ["learn", str(arc), "-o", str(output), "--quick", "--obstacles", "0"]
+    words += ["--pictures", "one"]
     code = main(words)
     captured = capsys.readouterr()
     assert captured.err == ""
@@ -109,6 +140,8 @@ def test_learning_prints_a_table_and_no_progress_in_a_pipe(arc, tmp_path, capsys
         "obstacles        0",
         "verdict",
         "arc:",
+        "near",
+        "anywhere",
     ):
         assert word in captured.out
     # Without obstacles the flow goes straight, 0.33 off the arc: not converged.
@@ -141,6 +174,7 @@ def test_bad_learning_input_is_refused_before_any_work(arc, tmp_path, capsys):
         ((arc, "-o", out, "--obstacles", "few"), "--obstacles: found 'few'"),
         ((arc, "-o", out, "--obstacles", "99"), "in 0..12, got 99"),
         ((arc, "-o", out, "--seed", "-1"), "--seed: found -1"),
+        ((arc, "-o", out, "--held-out"), "--held-out: found one demonstration"),
         ((arc, "-o", out, "--method", "magic"), "invalid choice"),
         ((arc,), "-o"),
     ]:

@@ -19,14 +19,15 @@ from bath_drake.skill_file import load_skill, save_skill
 DEMONSTRATIONS = sorted(
     str(path) for path in (models_folder() / "demonstrations").glob("back_*.csv")
 )
-EFFORT = ["--quick", "--obstacles", "2"]
+EFFORT = ["--quick", "--obstacles", "2", "--pictures", "one"]
 
 
 @pytest.fixture(scope="module")
 def arc(tmp_path_factory):
     path = tmp_path_factory.mktemp("arc") / "arc.csv"
     s = np.linspace(0.0, 1.0, 61)
-    rows = zip(4.0 * s, 0.3 * s, 0.1 * np.sin(np.pi * s), strict=True)
+    # Bends enough to need all steps of the search, even with two obstacles.
+    rows = zip(4.0 * s, 0.3 * s, 0.141 * np.sin(2.0 * np.pi * s), strict=True)
     lines = [f"{t:.4f},{x:.6f},{y:.6f}" for t, x, y in rows]
     path.write_text("\n".join(["t_s,x_m,y_m", *lines]))
     return str(path)
@@ -62,7 +63,7 @@ def signal_during(monkeypatch, part, *numbers):
 @pytest.mark.parametrize(
     ("number", "part"),
     [
-        (signal.SIGINT, "seeds"),
+        (signal.SIGINT, "by direction"),
         (signal.SIGINT, "generation 1"),
         (signal.SIGTERM, "generation 0"),
     ],
@@ -144,7 +145,7 @@ def test_a_finished_skill_is_not_learned_again_by_resume(arc, whole, capsys):
 def test_a_skill_that_did_not_converge_says_so_when_resumed(arc, tmp_path, capsys):
     # Without obstacles the flow goes straight.
     words = ["learn", arc, "-o", str(tmp_path / "s.yaml"), "--quick"]
-    words += ["--obstacles", "0"]
+    words += ["--obstacles", "0", "--pictures", "one"]
     assert main(words) == 1
     assert main([*words, "--resume"]) == 1
     assert "already" in capsys.readouterr().out
@@ -176,7 +177,7 @@ def test_where_there_is_nothing_to_resume_learning_begins(arc, whole, tmp_path):
 def start(out, **environment):
     words = [sys.executable, "-m", "bath_drake", "learn", *DEMONSTRATIONS]
     return subprocess.Popen(
-        [*words, "-o", str(out), "--quick", "--resume"],
+        [*words, "-o", str(out), "--quick", "--resume", "--pictures", "one"],
         env=os.environ | environment,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

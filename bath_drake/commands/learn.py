@@ -11,6 +11,8 @@ if TYPE_CHECKING:
         CanonicalFrame,
     )
     from bath_drake.learning.config import LearnerConfig
+    from bath_drake.learning.generalisation import Generalisation
+    from bath_drake.learning.held_out import HeldOut
     from bath_drake.learning.learner import LearningResult
 
 
@@ -23,7 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         required=True,
         metavar="SKILL.yaml",
-        help="the skill; its learning curve goes beside it as SKILL.png",
+        help="the skill; pictures go beside it as SKILL.png (what was learned, and "
+        "the learning curve) and SKILL_NAME.png (fields, population or stages, "
+        "generalisation, held_out)",
     )
     parser.add_argument("--method", choices=["auto", "paper"], default="auto")
     parser.add_argument(
@@ -42,6 +46,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="continue a run that was stopped or killed, from SKILL.checkpoint",
     )
     parser.add_argument(
+        "--held-out",
+        action="store_true",
+        help="then learn as often as there are demonstrations, each time without one, "
+        "and say how well that one is foreseen",
+    )
+    parser.add_argument(
+        "--pictures",
+        choices=["all", "one"],
+        default="all",
+        help="all of them, or SKILL.png alone, which saves some seconds",
+    )
+    parser.add_argument(
         "--quick", action="store_true", help="a few seconds' effort, a worse fit"
     )
 
@@ -57,9 +73,12 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.commands._signals import stopping
     from bath_drake.demonstrations.processing import canonical_demonstrations
     from bath_drake.demonstrations.recording import read_recording
+    from bath_drake.errors import BathDrakeError
     from bath_drake.learning.checkpoint import Checkpoint
+    from bath_drake.learning.generalisation import evaluate_generalisation
+    from bath_drake.learning.held_out import leave_one_out
     from bath_drake.learning.learner import learn_skill
-    from bath_drake.learning_report import write_learning_figure
+    from bath_drake.learning_figures.write import write_learning_figures
     from bath_drake.skill_file import save_skill, skill_from_result
 
     _check_outputs(options.output, options.files)
@@ -69,7 +88,16 @@ def run(options: argparse.Namespace) -> int:
     hashes = [demonstration.sha256 for demonstration in demonstrations]
     identity = _identity(asdict(config), hashes, frame)
     kept = checkpoint_path(options.output)
-    if options.resume and not kept.exists() and options.output.exists():
+    if options.held_out and len(recordings) < 2:
+        raise BathDrakeError(
+            "--held-out: found one demonstration, to hold one out needs two or more"
+        )
+    if (
+        options.resume
+        and not options.held_out
+        and not kept.exists()
+        and options.output.exists()
+    ):
         code = _finished_before(options.output, identity)
         if code is not None:
             print(f"{options.output}: learned to its end already, nothing to resume")
@@ -101,19 +129,49 @@ def run(options: argparse.Namespace) -> int:
             result = learn_skill(strokes, config, progress, checkpoint)
         bar.close()
         save_skill(options.output, skill_from_result(result, demonstrations, frame))
-        picture = options.output.with_suffix(".png")
-        write_learning_figure(picture, result, demonstrations)
-        if result.finished:
+        held_out = None
+        if options.held_out and result.finished:
+            with (
+                stopping(stop),
+                progress_bar(desc="holding out", unit="%", total=100) as bar,
+            ):
+
+                def advance(share: float) -> None:
+                    bar.update(round(100 * share) - bar.n)
+
+                held_out = leave_one_out(demonstrations, result, advance, checkpoint)
+        points = [demonstration.points for demonstration in demonstrations]
+        generalised = evaluate_generalisation(result.branches, points)
+        pictures = write_learning_figures(
+            options.output,
+            result,
+            points,
+            generalised,
+            held_out,
+            overview_only=options.pictures == "one",
+        )
+        finished = result.finished and (held_out is None or held_out.finished)
+        if finished:
             checkpoint.remove()
-    print("\n".join(_table(result, demonstrations)))
-    print(f"skill            {options.output}\nlearning curve   {picture}")
+    lines = [*_table(result, demonstrations), *_ring_table(generalised)]
+    if held_out is not None:
+        lines += _held_out_table(held_out)
+    print("\n".join(lines))
+    print(f"skill            {options.output}")
+    print("pictures         " + "\n                 ".join(map(str, pictures)))
+    if result.finished and not finished:
+        print(
+            f"bath-drake learn: stopped; {options.output} is finished, holding out is "
+            "not; the same command with --resume goes on",
+            file=sys.stderr,
+        )
     if not result.finished:
         print(
             f"bath-drake learn: stopped; {options.output} is unfinished, the best so "
             "far; the same command with --resume goes on",
             file=sys.stderr,
         )
-    return 0 if result.converged and result.finished else 1
+    return 0 if result.converged and finished else 1
 
 
 def checkpoint_path(output: Path) -> Path:
@@ -165,11 +223,13 @@ def _finished_before(path: Path, identity: dict[str, Any]) -> int | None:
 def _check_outputs(output: Path, files: Sequence[str]) -> None:
     """Refuses an output that cannot be written or would spoil an input."""
     from bath_drake.errors import BathDrakeError
+    from bath_drake.learning_figures.paths import NAMES, picture_path
     from bath_drake.yaml_io import check_output
 
     if output.suffix not in (".yaml", ".yml"):
         raise BathDrakeError(f"-o: found {str(output)!r}, expected a name ending .yaml")
-    for path in (output, output.with_suffix(".png"), checkpoint_path(output)):
+    pictures = [picture_path(output, name) for name in NAMES]
+    for path in (output, *pictures, checkpoint_path(output)):
         check_output(path)
     for file in files:
         if output.resolve() == Path(file).with_suffix(".yaml").resolve():
@@ -240,4 +300,33 @@ def _table(
         lines.append(
             f"  {demonstration.name}: {said}, goal moved by ({-x:+.4f}, {-y:+.4f})"
         )
+    return lines
+
+
+def _ring_table(found: "Generalisation") -> list[str]:
+    from bath_drake.report.generalisation_table import HEADER, generalisation_rows
+
+    lines = ["other starts and goals, medians of the paths that arrive:"]
+    for row in (HEADER, *generalisation_rows(found)):
+        lines.append(("  " + "".join(f"{cell:17s}" for cell in row)).rstrip())
+    return lines
+
+
+def _held_out_table(found: "HeldOut") -> list[str]:
+    import numpy as np
+
+    lines = [
+        "held out (learned from the others), Frechet in-sample and held out:",
+    ]
+    for i, name in enumerate(found.names):
+        said = "" if found.arrived[i] else ", DID NOT ARRIVE"
+        said += "" if found.proved[i] else ", not proved"
+        inside = found.in_sample[i]
+        shown = f"{inside:.4f}" if np.isfinite(inside) else "left out"
+        lines.append(f"  {name}: {shown}, {found.distances[i]:.4f}{said}")
+    if found.names:
+        median = float(np.median(found.distances))
+        lines.append(f"  median held out: {median:.4f}")
+    if not found.finished:
+        lines.append("  UNFINISHED")
     return lines

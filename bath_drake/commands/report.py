@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from bath_drake.report import write_report
+from bath_drake.report.page import write_report
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

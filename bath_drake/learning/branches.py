@@ -13,8 +13,9 @@ import numpy as np
 from bath_drake.learning import genome
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.matching import Matcher
-from bath_drake.learning.seeding import bends, beside
-from bath_drake.notation import FloatArray, IntArray
+from bath_drake.learning.seeding import beside
+from bath_drake.learning.trace import places
+from bath_drake.notation import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,7 @@ class Branch:
         rows: Shape (Q, 5): centre, ln a, ln b, angle.
         kappa: The best with them.
         mismatch: How badly the flow's direction fits, see `Matcher`.
-        places: Sorted; 2 i for the left of the stroke's part i, 2 i + 1 for its right.
+        places: Sorted, see `bath_drake.learning.trace.places`.
     """
 
     rows: FloatArray
@@ -47,16 +48,14 @@ class Tree:
         self._problem = problem
         self._matcher = Matcher(problem)
         self._pool = pool
-        middles = [at for at, _ in bends(problem.strokes.mean)]
-        self._edges = (np.array(middles[1:]) + np.array(middles[:-1])) // 2
 
     def root(self, member: FloatArray | None = None) -> Branch:
         """The branch that a member (5 Q + 1,) stands on; None has no obstacle."""
         if member is None:
             return Branch(np.empty((0, genome.GENES)), 1.0, np.inf, ())
         rows = member[:-1].reshape(-1, genome.GENES)
-        places = tuple(sorted(self._places(rows[:, :2]).tolist()))
-        return Branch(rows, float(np.exp(member[-1])), np.inf, places)
+        known = places(self._problem.strokes.mean, rows[:, :2]).tolist()
+        return Branch(rows, float(np.exp(member[-1])), np.inf, tuple(sorted(known)))
 
     def grow(
         self,
@@ -75,13 +74,13 @@ class Tree:
         at = rng.integers(max(first, 2), len(curve) - 2, self._pool)
         sides = rng.choice([-1.0, 1.0], self._pool)
         choice = beside(at, sides, self._problem, rng)
-        places = self._places(choice[:, :2])
+        there = places(curve, choice[:, :2])
         grown = []
         for branch in branches:
             mismatches, kappas = self._matcher.rate(branch.rows, choice, begin=begin)
-            for place in np.unique(places):
-                there = np.flatnonzero(places == place)
-                best = there[int(np.argmin(mismatches[there]))]
+            for place in np.unique(there):
+                at_place = np.flatnonzero(there == place)
+                best = at_place[int(np.argmin(mismatches[at_place]))]
                 grown.append(
                     Branch(
                         np.concatenate([branch.rows, choice[best : best + 1]]),
@@ -95,14 +94,3 @@ class Tree:
         for branch in grown:
             kept.setdefault(branch.places, branch)
         return list(kept.values())[:width]
-
-    def _places(self, centres: FloatArray) -> IntArray:
-        """Beside which part of the stroke, and on which side, centres (n, 2) are."""
-        curve = self._problem.strokes.mean
-        apart = np.linalg.norm(centres[:, None] - curve, axis=-1)
-        near = np.clip(apart.argmin(axis=1), 1, len(curve) - 2)
-        tangent = curve[near + 1] - curve[near - 1]
-        away = centres - curve[near]
-        left = tangent[:, 0] * away[:, 1] - tangent[:, 1] * away[:, 0] > 0.0
-        parts = np.searchsorted(self._edges, near)
-        return np.asarray(2 * parts + np.where(left, 0, 1))

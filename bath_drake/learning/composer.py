@@ -22,6 +22,7 @@ from bath_drake.learning.stage import (
     learn_stage,
     stage_problem,
 )
+from bath_drake.learning.trace import PlanTrial, StageTrial
 from bath_drake.notation import FloatArray
 from bath_drake.threads import parallel_map
 
@@ -115,7 +116,8 @@ def compose(
     tries: int,
     steps: Steps,
     report: Callable[[], None] = lambda: None,
-) -> tuple[Branch, int]:
+    way: int = 0,
+) -> tuple[Branch, PlanTrial]:
     """Learns a chain of aligned demonstrations, stage by stage.
 
     Args:
@@ -127,12 +129,13 @@ def compose(
         tries: How many members descend for each stage.
         steps: Where finished stages are kept.
         report: Called after each stage, from any thread.
+        way: Number of the way of doing the stroke, for the trace.
 
     Returns:
-        The branch, and how many members' roll-outs it took.
+        The branch, and what was tried for it.
     """
 
-    def learn(k: int) -> LearnedStage:
+    def learn(k: int) -> tuple[LearnedStage, tuple[LearnedStage, ...]]:
         problem = stage_problem(how.stages[k], workspace, margins)
         # Plans of as many stages may still be cut elsewhere.
         own = Under(steps, f"cuts {' '.join(map(str, how.cuts))}/stage {k}")
@@ -142,39 +145,51 @@ def compose(
 
     learned = parallel_map(learn, range(len(how.stages)))
     branch = Branch(
-        chain=Chain(tuple(stage.field for stage in learned), how.gates),
+        chain=Chain(tuple(best.field for best, _ in learned), how.gates),
         start=aligned.mean[0],
         starts=aligned.points[:, 0],
         mean=aligned.mean,
         conditioning=how.conditioning,
     )
-    return branch, sum(stage.evaluations for stage in learned)
+    trial = PlanTrial(
+        way=way,
+        cuts=how.cuts,
+        pieces=tuple(aligned.points[:, a : b + 1] for a, b in pairwise(how.cuts)),
+        stages=tuple(tuple(map(_as_trial, tried)) for _, tried in learned),
+        evaluations=sum(stage.evaluations for _, tried in learned for stage in tried),
+    )
+    return branch, trial
 
 
 def _fewest(
     problem: LearningProblem, seed: tuple[int, ...], tries: int, steps: Steps
-) -> LearnedStage:
-    """The stage with as many obstacles as pay for themselves."""
+) -> tuple[LearnedStage, tuple[LearnedStage, ...]]:
+    """The stage whose obstacles all pay for themselves, and what was tried."""
     best: LearnedStage | None = None
-    evaluations = 0
+    tried = []
     for count in range(MOST_OBSTACLES + 1):
         rng = np.random.default_rng((*seed, count))
         learn = partial(_learned, problem, count, rng, tries)
         arrays = steps.step(f"{count} obstacles", learn)
         found = LearnedStage.unpack(arrays, problem)
-        evaluations += found.evaluations
+        tried.append(found)
         if best is None or _price(found) < _price(best):
             best = found
         if best.proved and best.error <= GOOD_ENOUGH:
             break
     assert best is not None  # zero obstacles are always tried
-    return LearnedStage(best.member, best.field, best.error, best.proved, evaluations)
+    return best, tuple(tried)
 
 
 def _learned(
     problem: LearningProblem, count: int, rng: np.random.Generator, tries: int
 ) -> Arrays:
     return learn_stage(problem, count, rng, tries).pack()
+
+
+def _as_trial(stage: LearnedStage) -> StageTrial:
+    count, (_, price) = len(stage.field.obstacles), _price(stage)
+    return StageTrial(count, stage.error, price, stage.proved)
 
 
 def _price(stage: LearnedStage) -> tuple[bool, float]:

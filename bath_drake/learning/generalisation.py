@@ -90,6 +90,7 @@ class Generalisation:
         turning: Median turning of these, rad.
         smoothness: Their median smoothness.
         radius: Of the nearest ring of each branch, in N.
+        spread: How many times as far out the second ring goes.
     """
 
     rings: tuple[Ring, ...]
@@ -97,6 +98,7 @@ class Generalisation:
     turning: float
     smoothness: float
     radius: tuple[float, ...]
+    spread: float
 
 
 def evaluate_generalisation(
@@ -145,6 +147,7 @@ def evaluate_generalisation(
         demonstrated,
         float(np.median([smoothness(path) for path in paths])),
         tuple(_radius(branch) for branch in branches),
+        spread,
     )
 
 

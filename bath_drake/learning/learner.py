@@ -15,7 +15,7 @@ from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
 from bath_drake.learning import composer, genome, search, single
 from bath_drake.learning.alignment import align
-from bath_drake.learning.checkpoint import Checkpoint, Stopped, Under
+from bath_drake.learning.checkpoint import Checkpoint, Steps, Stopped, Under
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.frechet import discrete_frechet
@@ -23,6 +23,7 @@ from bath_drake.learning.grouping import Outlier, group_strokes
 from bath_drake.learning.judge import Judged, judge
 from bath_drake.learning.responses import fit_conditioning
 from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes, subset
+from bath_drake.learning.trace import Trace
 from bath_drake.notation import FloatArray
 
 CONVERGED_FRECHET = 0.10
@@ -58,6 +59,8 @@ class LearningResult:
         failures: Members that were dropped because they had no finite cost.
         seconds: Time taken.
         config: What was asked for.
+        groups: Indices of the demonstrations of each branch.
+        trace: What was tried.
     """
 
     branches: tuple[Branch, ...]
@@ -74,6 +77,8 @@ class LearningResult:
     failures: int
     seconds: float
     config: LearnerConfig
+    groups: tuple[tuple[int, ...], ...]
+    trace: Trace
 
     @property
     def start(self) -> FloatArray:
@@ -105,7 +110,7 @@ def learn_skill(
     demonstrations: Sequence[Stroke],
     config: LearnerConfig | None = None,
     progress: Progress | None = None,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: Steps | None = None,
 ) -> LearningResult:
     """Finds virtual obstacles whose flow reproduces the demonstrations.
 
@@ -139,7 +144,7 @@ def learn_skill(
     journal = search.Journal(2 * len(groups), strokes.scale, progress)
     learned, finished = [], True
     for g, group in enumerate(groups):
-        journal.turn_to(Under(checkpoint, f"group {g}"))
+        journal.turn_to(Under(checkpoint, f"group {g}"), g)
         task = _Task(subset(strokes, group), workspace, config, journal, g)
         best, stopped = task.learn()
         finished = finished and not stopped
@@ -175,6 +180,8 @@ def learn_skill(
         failures=journal.failures,
         seconds=time.perf_counter() - begin,
         config=config,
+        groups=tuple(tuple(group.tolist()) for group in groups),
+        trace=journal.trace,
     )
 
 
@@ -226,7 +233,7 @@ class _Task:
         ways = composer.plans(aligned)
         self.journal.plan(sum(len(way.stages) + 1 for way in ways))
         for way in ways:
-            branch, evaluations = composer.compose(
+            branch, tried = composer.compose(
                 aligned,
                 way,
                 self.workspace,
@@ -235,9 +242,11 @@ class _Task:
                 self.config.tries,
                 self.journal.checkpoint,
                 self.journal.tick,
+                self.number,
             )
             judged = judge(branch, self.strokes.points, self.strokes.scale)
-            self.journal.evaluations += evaluations
+            self.journal.trace.plans.append((tried, judged.rank))
+            self.journal.evaluations += tried.evaluations
             self.journal.enter(judged.cost)
             yield judged
 

@@ -1,7 +1,7 @@
 """The journal of a search, and the paper's search."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +11,7 @@ from bath_drake.learning import genome, paper, paper_cost
 from bath_drake.learning.checkpoint import Arrays, Checkpoint, Steps
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
+from bath_drake.learning.trace import Generation, Trace, places
 from bath_drake.notation import FloatArray
 
 
@@ -27,6 +28,8 @@ class Journal:
         evaluations: How many members were evaluated.
         failures: How many of them had no finite cost.
         best: The member of the lowest cost with its penalties, (P,), if there is any.
+        trace: What was tried.
+        way: Which way of doing the stroke is being learned.
     """
 
     rounds: int
@@ -37,6 +40,8 @@ class Journal:
     evaluations: int = 0
     failures: int = 0
     best: FloatArray | None = None
+    trace: Trace = field(default_factory=Trace)
+    way: int = 0
     _least: float = np.inf
     _guard: threading.Lock = field(default_factory=threading.Lock)
     _done: int = 0
@@ -89,10 +94,28 @@ class Journal:
             self._done += 1
             self._tell()
 
-    def turn_to(self, checkpoint: Steps) -> None:
-        """Begins something else to learn, with steps of its own."""
+    def turn_to(self, checkpoint: Steps, way: int = 0) -> None:
+        """Begins another way of doing the stroke, with steps of its own."""
         self.checkpoint = checkpoint
         self.best, self._least = None, np.inf
+        self.way = way
+
+    def watch(
+        self,
+        name: str,
+        problem: LearningProblem,
+        costs: FloatArray,
+        centres: Sequence[FloatArray],
+    ) -> None:
+        """Traces a step's members by their costs (n,), sorted, and obstacles (Q, 2)."""
+        ends = np.cumsum([len(each) for each in centres])
+        beside = places(
+            problem.strokes.mean, np.concatenate([np.empty((0, 2)), *centres])
+        )
+        known = [tuple(sorted(part.tolist())) for part in np.split(beside, ends)]
+        self.trace.generations.append(
+            Generation(self.way, name, costs, tuple(known[: len(centres)]))
+        )
 
     def finish(self) -> None:
         """Says that no further step comes."""
@@ -119,7 +142,7 @@ def _search_paper(
     """The one result of the paper's learner."""
     settings = paper.settings_for(config.population, config.generations)
     journal.plan(settings.genetic.generations + 1)
-    before = journal.evaluations
+    before, entered = journal.evaluations, len(journal.history) + 1
 
     def encode(best: FloatArray) -> FloatArray:
         return genome.encode(paper_cost.decode(best, problem, settings.kappa))
@@ -128,6 +151,10 @@ def _search_paper(
         journal.evaluations = before + int(state["evaluations"][0])
         cost = float(state["best_cost"][0])  # which has no penalties
         journal.enter(cost / journal.scale, encode(state["best"]), cost)
+        order = np.argsort(state["costs"], kind="stable")
+        centres = [state["members"][i].reshape(-1, 4)[:, :2] for i in order]
+        name = f"generation {len(journal.history) - entered}"
+        journal.watch(name, problem, state["costs"][order], centres)
 
     found = paper.learn(
         problem,

@@ -92,6 +92,8 @@ class _Search:
         """Computes a population, or takes it from the checkpoint; notes its best."""
         arrays = self._journal.step(f"single: {key}", lambda: compute().pack())
         found = Population.unpack(arrays)
+        centres = [x[:-1].reshape(-1, genome.GENES)[:, :2] for x in found.members]
+        self._journal.watch(key, self._problem, found.costs, centres)
         if found.members:
             cost = self._journal.note(self._problem, found.members[0])
             self.reached = min(self.reached, cost)

@@ -14,6 +14,8 @@ from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.certificate_figure import draw_certificate
 from bath_drake.report.chain import ChainFigures, draw_chain
+from bath_drake.report.generalisation_figure import draw_generalisation
+from bath_drake.report.generalisation_table import HEADER, generalisation_rows
 from bath_drake.report.run_data import RunData, load_run
 from bath_drake.report.tables import (
     certificate_rows,
@@ -92,6 +94,8 @@ def render_report(run: RunData) -> str:
         checks=check_rows(run.metrics["checks"]),
         figures=pictures,
         frechet=frechet_rows(run),
+        generalisation_header=HEADER,
+        generalisation=generalisation_rows(run.generalisation),
         certificate=certificate_rows(run),
         certificate_text=certificate_text(run.evaluation.world.certificate),
         holds=hold_rows(run.metrics["holds"]),
@@ -118,7 +122,7 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
 
     def add(name: str, figure: Figure | None, text: str, caption: str) -> None:
         if figure is not None:
-            raster = name in ("camera", "sequence", "cloud")
+            raster = name in ("camera", "sequence", "cloud", "generalisation")
             source = style.as_data_uri(figure, raster=raster)
             pictures[name] = _Picture(source, text, caption)
 
@@ -146,6 +150,14 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
         ),
         "The learned navigation field and its path on the demonstrations",
         _FIELD_CAPTION if len(chain) == 1 else _CHAIN_CAPTION,
+    )
+    add(
+        "generalisation",
+        draw_generalisation(run.generalisation, run.skill.branches),
+        "The skill between random starts and goals",
+        "The learned skill alone, rolled out between ends that nobody demonstrated, "
+        "drawn at random as the paper's evaluation does (Sec. V). Each world is "
+        "certified anew.",
     )
     world = run.evaluation.world
     add(

@@ -16,6 +16,10 @@ from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.demonstrations.processing import canonical_demonstrations
 from bath_drake.demonstrations.recording import read_recording
 from bath_drake.errors import BathDrakeError, RunFolderError
+from bath_drake.learning.generalisation import (
+    Generalisation,
+    evaluate_generalisation,
+)
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray
 from bath_drake.report.keyframe import Keyframe
@@ -57,6 +61,12 @@ class RunData:
         """All frames that show a back."""
         frames = [Keyframe(self.log, k) for k in range(len(self.log.keyframe_time))]
         return [frame for frame in frames if frame.mask.sum() > 200]
+
+    @cached_property
+    def generalisation(self) -> Generalisation:
+        """The skill's trials, beside the demonstrations or else their means."""
+        paths = [demonstration.points for demonstration in self.demonstrations]
+        return evaluate_generalisation(self.skill.branches, paths)
 
     @cached_property
     def main_keyframe(self) -> Keyframe | None:

@@ -9,7 +9,7 @@ import pytest
 
 from bath_drake.cli import main
 from bath_drake.errors import RunFolderError
-from bath_drake.report import write_report
+from bath_drake.report.page import write_report
 from bath_drake.simulation_log import SimulationLog
 
 
@@ -62,7 +62,7 @@ def test_the_page_loads_nothing_and_runs_nothing(page, page_text):
 
 
 def test_every_figure_of_a_plain_run_is_there_with_a_text(page):
-    assert len(_figures(page)) == 8
+    assert len(_figures(page)) == 9
     assert all(_figures(page))
 
 

@@ -1,0 +1,1 @@
+"""Pictures of learning, each to be read alone."""
