@@ -37,8 +37,8 @@ def group_strokes(
 
     Two that are near by the Fréchet distance go the same way, and so do both's
     neighbours (single linkage). A stroke that is alone where three or more others agree
-    is an outlier if it starts where they do; from elsewhere, or where demonstrations are
-    that few, it is a way of its own.
+    is an outlier if it starts where they do; from elsewhere, or where demonstrations
+    are that few, it is a way of its own.
 
     Returns:
         Each group's indices, the largest group first, and the outliers.
