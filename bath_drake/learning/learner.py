@@ -29,6 +29,10 @@ from bath_drake.notation import FloatArray
 CONVERGED_FRECHET = 0.10
 """Greatest Fréchet distance to the mean, over the scale, that counts as learned."""
 
+# A single field may come nearer to demonstrations than their mean: its flow begins at
+# their starts.
+_WITHIN = 0.8
+
 Progress = Callable[[int, int, float], None]
 """Called with steps done, steps in all, and the best cost so far (inf: none yet)."""
 
@@ -223,10 +227,33 @@ class _Task:
         return best, stopped
 
     def _candidates(self) -> Iterator[Judged]:
+        best: Judged | None = None
         if self.config.composes:
-            yield from self._chains()
-        if self.config.fields != "many":
+            for judged in self._chains():
+                if best is None or judged.rank < best.rank:
+                    best = judged
+                yield judged
+        if self.config.fields != "many" and self._may_be_beaten(best):
             yield from self._singles()
+
+    def _may_be_beaten(self, best: Judged | None) -> bool:
+        """Whether a single field may be cheaper than the best chain.
+
+        Not if the chain's price is far below what the demonstrations differ from
+        their mean, be it moved as a whole to fit each start or not: a field that had
+        just the mean for its motion would be dearer.
+        """
+        if best is None or not best.valid:
+            return True
+        aligned = align(self.strokes.points)
+        whole = fit_conditioning(aligned, (0, len(aligned.mean) - 1))
+        still, moved = [], []
+        for stroke in self.strokes.points:
+            (move,) = whole.similarities(stroke[0])
+            still.append(discrete_frechet(aligned.mean, stroke))
+            moved.append(discrete_frechet(move.points(aligned.mean), stroke))
+        least = min(float(np.mean(still)), float(np.mean(moved))) / self.strokes.scale
+        return best.price > _WITHIN * least
 
     def _chains(self) -> Iterator[Judged]:
         aligned = align(self.strokes.points)
