@@ -14,8 +14,8 @@ from bath_drake.field.obstacles import Workspace
 from bath_drake.learning.alignment import Alignment
 from bath_drake.learning.checkpoint import Arrays, Steps, Under
 from bath_drake.learning.cost import LearningProblem, ValidityMargins
+from bath_drake.learning.cutting import cut, gate_at, stage_count
 from bath_drake.learning.responses import fit_conditioning
-from bath_drake.learning.segmentation import cut, gate_at, stage_count
 from bath_drake.learning.stage import (
     LearnedStage,
     Stage,
