@@ -22,21 +22,34 @@ def held_out_figure(found: HeldOut) -> Figure:
         shown = "reproduced without having seen it" if i == 0 else None
         right.plot(*path.T, color=style.REPRODUCTION, lw=1.1, label=shown)
         right.plot(*stroke[0], "o", color=style.INK, ms=6, **plane.MARKS)
-        back = stroke[0] - stroke[min(8, len(stroke) - 1)]
-        aside = 11.0 * back / max(float(np.hypot(*back)), 1e-9)
-        right.annotate(
+    _number_starts(right, found)
+    right.set_title("What was foreseen from the start alone")
+    plane.legend_below(right, columns=1)
+    return figure
+
+
+def _number_starts(axes: Axes, found: HeldOut) -> None:
+    """Numbers in a row behind the starts, each with a line to its own."""
+    starts = np.array([stroke[0] for stroke in found.strokes])
+    ahead = np.array([stroke[min(8, len(stroke) - 1)] for stroke in found.strokes])
+    back = (starts - ahead).mean(axis=0)
+    back /= max(float(np.hypot(*back)), 1e-9)
+    across = np.array([-back[1], back[0]])
+    order = np.argsort(starts @ across)
+    for rank, i in enumerate(order):
+        aside = 24.0 * back + 15.0 * (rank - 0.5 * (len(order) - 1)) * across
+        axes.annotate(
             str(i + 1),
-            (float(stroke[0, 0]), float(stroke[0, 1])),
+            (float(starts[i, 0]), float(starts[i, 1])),
             (float(aside[0]), float(aside[1])),
             textcoords="offset points",
             ha="center",
             va="center",
             size=9,
             zorder=8,
+            bbox={"fc": "white", "ec": "none", "pad": 0.8, "alpha": 0.85},
+            arrowprops={"arrowstyle": "-", "color": style.MUTED, "lw": 0.6},
         )
-    right.set_title("What was foreseen from the start alone")
-    plane.legend_below(right, columns=1)
-    return figure
 
 
 def _draw_distances(axes: Axes, found: HeldOut) -> None:

@@ -115,9 +115,9 @@ def _draw_sides(axes: Axes, steps: Sequence[Generation]) -> mpl.image.AxesImage:
     axes.set_xticks(at, [_short(steps[i].name) for i in at])
     axes.set_xlabel("step (numbers: generations)")
     axes.grid(False)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.26), ncols=2)
     return image
 
 
 def _short(name: str) -> str:
-    return name.removeprefix("generation ")
+    return name.removeprefix("generation ").replace(" ", "\n")

@@ -1,6 +1,7 @@
 """The pictures of learning, and the trace they are drawn from."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import matplotlib.image
 import numpy as np
@@ -14,7 +15,7 @@ from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.generalisation import evaluate_generalisation
 from bath_drake.learning.held_out import HeldOut
 from bath_drake.learning.learner import learn_skill
-from bath_drake.learning.trace import Trace, places
+from bath_drake.learning.trace import Generation, Trace, places
 from bath_drake.learning_figures.fields import fields_figure
 from bath_drake.learning_figures.held_out import held_out_figure
 from bath_drake.learning_figures.overview import overview_figure
@@ -63,6 +64,8 @@ def check_readable(figure):
         assert box.y0 >= -1.0
         assert box.x1 <= width + 1.0
         assert box.y1 <= height + 1.0
+        names = [t.get_window_extent() for t in axes.get_xticklabels() if t.get_text()]
+        assert not any(a.overlaps(b) for a, b in pairwise(names))
 
 
 def test_a_chain_is_shown_with_its_stages_and_what_was_tried(chain):
@@ -110,6 +113,21 @@ def test_a_single_field_is_shown_with_the_population_it_came_from(single):
         assert len(step.places) == len(step.costs)
         assert (np.diff(step.costs) >= 0.0).all()
         assert all(len(member) == 1 for member in step.places)
+
+
+def test_a_long_search_for_several_ways_stays_readable():
+    names = ["by direction", "from the goal", *(f"generation {g}" for g in range(10))]
+    members = ((0, 3, 3), (1,), (2, 5))
+    costs = np.array([0.02, 0.03, 0.2])
+    trace = Trace(
+        [Generation(w, n, costs, members) for w in (0, 1) for n in [*names, "finish"]]
+    )
+    figure = population_figure(trace, 2)
+    check_readable(figure)
+    sides = figure.axes[2]
+    assert [t.get_text() for t in sides.get_yticklabels()] == [
+        f"bend {k}, {side}" for k in (1, 2, 3) for side in ("left", "right")
+    ]
 
 
 def test_nothing_tried_is_no_figure():
