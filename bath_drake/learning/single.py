@@ -34,7 +34,6 @@ _UNPROVED = 0.1  # for a member that is not proved, in N
 _WIDTH = 8  # branches that go on from each depth of the tree
 _STAGES = 12  # in which the stroke's end grows to the whole
 _COARSE = 48  # points of a stroke will do while the basin is sought
-_TREES = 2  # of such ends, each with other obstacles to choose among
 _FINALISTS = 3
 _REPAIRS = 2
 
@@ -54,14 +53,12 @@ def single_fields(
         return candidates(problem, count, config, journal)
     search = _Search(problem, config, journal)
     generations = 12 if config.generations is None else config.generations
-    journal.plan(generations + 2 + _TREES)
+    journal.plan(generations + 3)
     # C cannot fall far below the demonstrations' own spread, and finishing lowers it.
     enough = config.target + min(0.25 * problem.strokes.floor, config.target)
     found = search.step("by direction", search.by_direction)
-    for k in range(_TREES):
-        if search.reached > enough:
-            step = partial(search.from_goal, found, k)
-            found = search.step(f"from the goal {k}", step)
+    if search.reached > enough:
+        found = search.step("from the goal", partial(search.from_goal, found))
     for g in range(generations):
         if search.reached <= enough or not found.members:
             break
@@ -146,13 +143,13 @@ class _Search:
         best = Population.of(near, self._costs(near)).distinct(self._size).members
         return self._first(best, rng)
 
-    def from_goal(self, population: Population, number: int) -> Population:
+    def from_goal(self, population: Population) -> Population:
         """Members that learned ever longer ends of the stroke, beside those there are.
 
         Where the flow comes from the end is settled first; what is added leads into
         what works already. Every stage offers an obstacle more, on either side.
         """
-        rng = np.random.default_rng([self._config.seed, 1, number])
+        rng = np.random.default_rng([self._config.seed, 1])
         found = Population((self._tree.root().member,), np.zeros(1))
         for stage in range(1, _STAGES + 1):
             begin = 1.0 - stage / _STAGES
