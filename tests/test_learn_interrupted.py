@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -131,6 +132,30 @@ def test_what_a_stopped_run_has_computed_is_not_lost_by_a_plain_command(
         (line,) = capsys.readouterr().err.splitlines()
         assert message in line
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_holding_out_can_be_stopped_and_resumed_too(arc, tmp_path, monkeypatch, capsys):
+    other, out = tmp_path / "other.csv", tmp_path / "s.yaml"
+    other.write_text(Path(arc).read_text(encoding="utf-8"), encoding="utf-8")
+    words = ["learn", arc, str(other), "-o", str(out), "--held-out", *EFFORT]
+    words += ["--obstacles", "0"]  # does not converge: the code is 1 either way
+    with monkeypatch.context() as patch:
+        signal_during(patch, "without 0", signal.SIGINT)
+        assert main(words) == 1
+    captured = capsys.readouterr()
+    (line,) = captured.err.splitlines()
+    assert "holding out is not" in line
+    assert "--resume goes on" in line
+    assert "  UNFINISHED" in captured.out
+    assert load_skill(out).finished
+    skill = out.read_bytes()
+    assert "s.checkpoint" in names(tmp_path)
+    assert main([*words, "--resume"]) == 1
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert "median held out" in captured.out
+    assert out.read_bytes() == skill
+    assert names(tmp_path) == ["other.csv", "s.png", "s.yaml", "s_held_out.png"]
 
 
 def test_a_finished_skill_is_not_learned_again_by_resume(arc, whole, capsys):
