@@ -17,8 +17,8 @@ from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, phi
 from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
 from bath_drake.field.rollout import RolloutStatus, rollout
-from bath_drake.learning.descent import descend as learner_descent
 from bath_drake.learning.frechet import discrete_frechet
+from bath_drake.learning.paper.descent import descend as learner_descent
 from bath_drake.report import style
 from bath_drake.systems.navigation_function import NavigationFunction
 

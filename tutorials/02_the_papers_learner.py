@@ -16,11 +16,12 @@ from bath_drake.demonstrations.recording import read_recording
 from bath_drake.field.navigation import grad_phi, min_beta
 from bath_drake.field.obstacles import Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
-from bath_drake.learning import paper, paper_cost
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem, ValidityMargins
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.learner import learn_skill
+from bath_drake.learning.paper import cost as paper_cost
+from bath_drake.learning.paper import learner as paper
 from bath_drake.learning.strokes import gather_strokes
 from bath_drake.report import style
 from bath_drake.report.field_figures import draw_flow, draw_obstacles

@@ -25,15 +25,15 @@ from bath_drake.demonstrations.recording import read_recording
 from bath_drake.field.navigation import min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus
-from bath_drake.learning import composer
 from bath_drake.learning.alignment import align
-from bath_drake.learning.branches import Tree
+from bath_drake.learning.chain import composer
+from bath_drake.learning.chain.stage import learn_stage, stage_problem
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem, ValidityMargins
 from bath_drake.learning.judge import OBSTACLE_PRICE, STAGE_PRICE
 from bath_drake.learning.learner import learn_skill
 from bath_drake.learning.seeding import bends
-from bath_drake.learning.stage import learn_stage, stage_problem
+from bath_drake.learning.single.sides import Tree
 from bath_drake.learning.strokes import gather_strokes
 from bath_drake.report import style
 from bath_drake.report.field_figures import draw_flow, draw_obstacles

@@ -13,15 +13,19 @@ from bath_drake.composition.rollout import ChainRollout
 from bath_drake.errors import DemonstrationError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import Workspace
-from bath_drake.learning import composer, genome, search, single
+from bath_drake.learning import genome
 from bath_drake.learning.alignment import align
+from bath_drake.learning.chain import composer
+from bath_drake.learning.chain.responses import fit_conditioning
 from bath_drake.learning.checkpoint import Checkpoint, Steps, Stopped, Under
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.grouping import Outlier, group_strokes
+from bath_drake.learning.journal import Journal
 from bath_drake.learning.judge import Judged, judge
-from bath_drake.learning.responses import fit_conditioning
+from bath_drake.learning.paper.candidates import paper_fields
+from bath_drake.learning.single.search import single_fields
 from bath_drake.learning.strokes import Stroke, StrokeSet, gather_strokes, subset
 from bath_drake.learning.trace import Trace
 from bath_drake.notation import FloatArray
@@ -145,7 +149,7 @@ def learn_skill(
     _check_reach(demonstrations, strokes, workspace)
     names = [stroke.name for stroke in demonstrations]
     groups, outliers = group_strokes(strokes.points, strokes.scale, names)
-    journal = search.Journal(2 * len(groups), strokes.scale, progress)
+    journal = Journal(2 * len(groups), strokes.scale, progress)
     learned, finished = [], True
     for g, group in enumerate(groups):
         journal.turn_to(Under(checkpoint, f"group {g}"), g)
@@ -204,7 +208,7 @@ class _Task:
     strokes: StrokeSet
     workspace: Workspace
     config: LearnerConfig
-    journal: search.Journal
+    journal: Journal
     number: int
 
     def learn(self) -> tuple[Judged, bool]:
@@ -279,7 +283,8 @@ class _Task:
 
     def _singles(self) -> Iterator[Judged]:
         problem = LearningProblem(self.strokes, self.workspace, self.config.margins)
-        for field in single.single_fields(problem, self.config, self.journal):
+        learn = paper_fields if self.config.method == "paper" else single_fields
+        for field in learn(problem, self.config, self.journal):
             judged = self._judged(field)
             yield judged
             if len(self.strokes.points) > 1 and self.config.composes:

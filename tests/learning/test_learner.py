@@ -69,7 +69,7 @@ def test_a_field_that_is_not_proved_is_taken_only_if_there_is_no_other(
     trapping = replace(free, kappa=20.0).with_obstacles(wall)
     assert certify(trapping).verdict == "refuted"
     offered = [trapping]
-    monkeypatch.setattr(learner.single, "single_fields", lambda *_: list(offered))
+    monkeypatch.setattr(learner, "single_fields", lambda *_: list(offered))
     alone = learn_skill(strokes, config)
     assert alone.chain.fields == (trapping,)
     assert alone.certificates[0].verdict == "refuted"

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
-from bath_drake.learning import _euler
 from bath_drake.learning.cost import GOAL_TOLERANCE, LearningProblem
+from bath_drake.learning.paper import _euler
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.threads import parallel_map, split
 

@@ -12,13 +12,13 @@ from hypothesis import given
 from bath_drake.certificate.certify import certify
 from bath_drake.field.obstacles import Workspace
 from bath_drake.learning import genome, shooting
-from bath_drake.learning.branches import Tree
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem, ValidityMargins
-from bath_drake.learning.population import Population
-from bath_drake.learning.search import Journal
+from bath_drake.learning.journal import Journal
 from bath_drake.learning.seeding import bends
-from bath_drake.learning.single import _Search, finished, single_fields
+from bath_drake.learning.single.population import Population
+from bath_drake.learning.single.search import _Search, finished, single_fields
+from bath_drake.learning.single.sides import Tree
 from bath_drake.learning.strokes import gather_strokes
 
 _DISC = Workspace(np.zeros(2), np.array([2.0, 2.0]))

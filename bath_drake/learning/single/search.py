@@ -17,15 +17,15 @@ import numpy as np
 from bath_drake.certificate.certify import certify
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.learning import genome, shooting
-from bath_drake.learning.branches import Tree
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.failures import FAILURES, costs_of
-from bath_drake.learning.genetic import crossover, mutate
-from bath_drake.learning.population import Population
-from bath_drake.learning.search import Journal, candidates
-from bath_drake.learning.seeding import MAX_OBSTACLES, bends, obstacle_counts
+from bath_drake.learning.journal import Journal
+from bath_drake.learning.seeding import MAX_OBSTACLES, bends
 from bath_drake.learning.shooting import Windows
+from bath_drake.learning.single.genetic import crossover, mutate
+from bath_drake.learning.single.population import Population
+from bath_drake.learning.single.sides import Tree
 from bath_drake.notation import FloatArray
 from bath_drake.threads import parallel_map
 
@@ -44,13 +44,8 @@ def single_fields(
     """Learned fields for a judge to rank, usually some, most of them proved.
 
     ``config.obstacles`` says how many obstacles they have; None lets the search find
-    it. The paper's method fixes it beforehand: two more than the stroke has bends.
+    it.
     """
-    if config.method == "paper":
-        counts = obstacle_counts(problem.strokes.mean)
-        count = counts[min(2, len(counts) - 1)]
-        count = count if config.obstacles is None else config.obstacles
-        return candidates(problem, count, config, journal)
     search = _Search(problem, config, journal)
     generations = 12 if config.generations is None else config.generations
     journal.plan(generations + 3)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bath_drake.learning.checkpoint import Arrays
-from bath_drake.learning.genetic import Cost
+from bath_drake.learning.single.genetic import Cost
 from bath_drake.notation import FloatArray
 
 State = Arrays

@@ -6,7 +6,7 @@ From the paper:
   (Sec. III-A); Q is set beforehand (Sec. VI).
 - The cost is C = (1/D) sum_n F(R_n, E_n), F the discrete Fréchet distance and R_n the
   Euler roll-out q <- q + dt u of Eq. 2 from the start of demonstration E_n.
-- A genetic algorithm, the operators of `bath_drake.learning.simple_ga`, in which every
+- A genetic algorithm, the operators of `simple_ga`, in which every
   member of each generation is improved by x <- x - omega grad C.
 
 Left open there, and chosen here (`PaperSettings`):
@@ -34,11 +34,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bath_drake.field.navigation import NavigationField
-from bath_drake.learning import paper_cost, simple_ga
 from bath_drake.learning.checkpoint import Arrays
 from bath_drake.learning.cost import LearningProblem
-from bath_drake.learning.genetic import Cost, Step
-from bath_drake.learning.simple_ga import SimpleGA
+from bath_drake.learning.paper import cost as paper_cost
+from bath_drake.learning.paper import simple_ga
+from bath_drake.learning.paper.simple_ga import SimpleGA
+from bath_drake.learning.single.genetic import Cost, Step
 from bath_drake.notation import FloatArray
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bath_drake.learning.alignment import Alignment, align
+from bath_drake.learning.chain.responses import fit_conditioning
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.learning.responses import fit_conditioning
 
 T = np.linspace(0.0, 1.0, 101)
 CUTS = (0, 40, 70, 100)

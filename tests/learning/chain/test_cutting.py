@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bath_drake.learning.cutting import cut, gate_at, stage_count
+from bath_drake.learning.chain.cutting import cut, gate_at, stage_count
 from bath_drake.learning.strokes import headings, resample
 
 

@@ -11,14 +11,14 @@ from bath_drake.field.navigation import min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus
 from bath_drake.learning.alignment import align
+from bath_drake.learning.chain.composer import compose, plan, plans
+from bath_drake.learning.chain.stage import LearnedStage, learn_stage, stage_problem
 from bath_drake.learning.checkpoint import Checkpoint
-from bath_drake.learning.composer import compose, plan, plans
 from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import ValidityMargins
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.judge import judge
 from bath_drake.learning.learner import learn_skill
-from bath_drake.learning.stage import LearnedStage, learn_stage, stage_problem
 
 DISC = Workspace(np.zeros(2), np.array([2.0, 2.0]))
 

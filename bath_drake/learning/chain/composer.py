@@ -12,16 +12,16 @@ from bath_drake.composition.chain import Chain, Gate
 from bath_drake.composition.conditioning import Conditioning
 from bath_drake.field.obstacles import Workspace
 from bath_drake.learning.alignment import Alignment
-from bath_drake.learning.checkpoint import Arrays, Steps, Under
-from bath_drake.learning.cost import LearningProblem, ValidityMargins
-from bath_drake.learning.cutting import cut, gate_at, stage_count
-from bath_drake.learning.responses import fit_conditioning
-from bath_drake.learning.stage import (
+from bath_drake.learning.chain.cutting import cut, gate_at, stage_count
+from bath_drake.learning.chain.responses import fit_conditioning
+from bath_drake.learning.chain.stage import (
     LearnedStage,
     Stage,
     learn_stage,
     stage_problem,
 )
+from bath_drake.learning.checkpoint import Arrays, Steps, Under
+from bath_drake.learning.cost import LearningProblem, ValidityMargins
 from bath_drake.learning.trace import PlanTrial, StageTrial
 from bath_drake.notation import FloatArray
 from bath_drake.threads import parallel_map

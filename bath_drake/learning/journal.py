@@ -1,4 +1,4 @@
-"""The journal of a search, and the paper's search."""
+"""The journal of learning: its curve, its steps, its best, and who is told."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -6,10 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bath_drake.field.navigation import NavigationField
-from bath_drake.learning import genome, paper, paper_cost
 from bath_drake.learning.checkpoint import Arrays, Checkpoint, Steps
-from bath_drake.learning.config import LearnerConfig
 from bath_drake.learning.cost import LearningProblem
 from bath_drake.learning.trace import Generation, Trace, places
 from bath_drake.notation import FloatArray
@@ -126,42 +123,3 @@ class Journal:
         if self.progress is not None:
             best = self.history[-1][1] if self.history else np.inf
             self.progress(self._done, self._total, best)
-
-
-def candidates(
-    problem: LearningProblem, count: int, config: LearnerConfig, journal: Journal
-) -> list[NavigationField]:
-    """The one result, of ``count`` obstacles, of the paper's learner."""
-    xs = _search_paper(problem, count, config, journal)
-    return [genome.decode(x, problem.workspace, problem.strokes.goal) for x in xs]
-
-
-def _search_paper(
-    problem: LearningProblem, count: int, config: LearnerConfig, journal: Journal
-) -> list[FloatArray]:
-    """The one result of the paper's learner."""
-    settings = paper.settings_for(config.population, config.generations)
-    journal.plan(settings.genetic.generations + 1)
-    before, entered = journal.evaluations, len(journal.history) + 1
-
-    def encode(best: FloatArray) -> FloatArray:
-        return genome.encode(paper_cost.decode(best, problem, settings.kappa))
-
-    def report(state: Arrays) -> None:
-        journal.evaluations = before + int(state["evaluations"][0])
-        cost = float(state["best_cost"][0])  # which has no penalties
-        journal.enter(cost / journal.scale, encode(state["best"]), cost)
-        order = np.argsort(state["costs"], kind="stable")
-        centres = [state["members"][i].reshape(-1, 4)[:, :2] for i in order]
-        name = f"generation {len(journal.history) - entered}"
-        journal.watch(name, problem, state["costs"][order], centres)
-
-    found = paper.learn(
-        problem,
-        count,
-        settings,
-        config.seed,
-        step=lambda key, compute: journal.checkpoint.step(f"{count}: {key}", compute),
-        report=report,
-    )
-    return [genome.encode(found.field)]

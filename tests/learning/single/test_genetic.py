@@ -6,9 +6,9 @@ import pytest
 from bath_drake.field.obstacles import Workspace
 from bath_drake.field.rollout import rollout
 from bath_drake.learning import genome
-from bath_drake.learning.descent import descend
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.learning.genetic import crossover, mutate
+from bath_drake.learning.paper.descent import descend
+from bath_drake.learning.single.genetic import crossover, mutate
 from bath_drake.notation import FloatArray
 
 _DISC = Workspace(np.zeros(2), np.array([2.0, 2.0]))

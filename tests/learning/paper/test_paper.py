@@ -13,12 +13,14 @@ from bath_drake.demonstrations.recording import read_recording
 from bath_drake.field.navigation import NavigationField, flow_direction, phi
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import rollout
-from bath_drake.learning import paper, paper_cost, simple_ga
 from bath_drake.learning.checkpoint import Arrays
 from bath_drake.learning.cost import LearningProblem, ValidityMargins
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.learning.paper import PaperSettings
-from bath_drake.learning.simple_ga import SimpleGA
+from bath_drake.learning.paper import cost as paper_cost
+from bath_drake.learning.paper import learner as paper
+from bath_drake.learning.paper import simple_ga
+from bath_drake.learning.paper.learner import PaperSettings
+from bath_drake.learning.paper.simple_ga import SimpleGA
 from bath_drake.learning.strokes import gather_strokes
 from bath_drake.notation import FloatArray
 

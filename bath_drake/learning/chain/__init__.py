@@ -1,0 +1,1 @@
+"""Chains of fields: a stroke cut into stages, each learned by itself."""

@@ -1,0 +1,1 @@
+"""The learner of the paper, as it is written (Sec. III-C)."""

@@ -1,0 +1,1 @@
+"""One field for a whole stroke: a population over branches and counts."""
