@@ -54,6 +54,7 @@ def signal_during(monkeypatch, part, *numbers):
         def disturbed():
             while part in key and left:
                 signal.raise_signal(left.pop(0))
+                time.sleep(0.01)  # two that are pending at once would be one
             return compute()
 
         return step(self, key, disturbed)
