@@ -20,6 +20,7 @@ from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.learner import LearningResult, learn_skill
 from bath_drake.learning.seeding import seed_population
 from bath_drake.learning.strokes import gather_strokes
+from bath_drake.notation import FloatArray
 
 MakeStrokes = Callable[..., Any]
 
@@ -140,6 +141,32 @@ def test_a_closed_stroke_ends_honestly(make_strokes: MakeStrokes) -> None:
 def test_bad_configurations_are_refused(arguments: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         LearnerConfig(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("turn", "scale", "shift"),
+    [(0.5 * np.pi, 1.0, (0.0, 0.0)), (0.3, 0.8, (0.05, -0.1))],
+)
+def test_turned_moved_and_scaled_strokes_give_such_a_motion_of_one_field(
+    make_strokes: MakeStrokes, turn: float, scale: float, shift: tuple[float, float]
+) -> None:
+    strokes = make_strokes("wide arc", 0)
+    c, s = scale * np.cos(turn), scale * np.sin(turn)
+
+    def move(points: FloatArray) -> FloatArray:
+        return np.asarray(points @ np.array([[c, s], [-s, c]]) + shift)
+
+    config = replace(LearnerConfig.quick(), fields="one")
+    here = learn_skill(strokes, config)
+    moved = [replace(stroke, points=move(stroke.points)) for stroke in strokes]
+    there = learn_skill(moved, config)
+    assert here.converged
+    assert there.converged
+    # Other first guesses, other obstacles: no farther apart than both from the mean.
+    apart = discrete_frechet(move(here.rollout.path), there.rollout.path)
+    allowed = scale * here.frechet["to_mean_raw"] + there.frechet["to_mean_raw"]
+    # Resampling the mean and the box's scale round differently.
+    assert apart <= allowed + 0.01
 
 
 @pytest.mark.slow
