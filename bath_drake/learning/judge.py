@@ -18,6 +18,13 @@ OBSTACLE_PRICE: Final = 0.0005
 """By what an obstacle must lower the two Fréchet distances to pay for itself."""
 STAGE_PRICE: Final = 0.001
 """By what a field more must, its obstacles not counted."""
+STRAY_PRICE: Final = 0.1
+"""What it costs if from all starts about the demonstrated ones the motion strays."""
+# How many such starts, how much farther out than the demonstrations' own, and at what
+# Fréchet distance over the scale from the mean, drawn to the start, a motion strays.
+_STARTS, _FARTHER, _ASTRAY = 8, 1.2, 0.2
+# The least such distance of starts, over the scale.
+_LEAST = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +39,8 @@ class Judged:
         distances: Of each demonstration to the roll-out from its start.
         valid: Whether the chains of the mean start and of every demonstration's are
             proved, and every roll-out arrives.
+        strays: Share of starts on a ring about the demonstrated ones from which the
+            motion does not arrive, or goes another way than the mean.
     """
 
     branch: Branch
@@ -40,6 +49,7 @@ class Judged:
     to_mean: float
     distances: tuple[float, ...]
     valid: bool
+    strays: float
 
     @property
     def cost(self) -> float:
@@ -51,7 +61,8 @@ class Judged:
         """The criterion: what is left of the error, and what the fields are charged."""
         chain = self.branch.chain
         charged = OBSTACLE_PRICE * chain.obstacle_count
-        return self.to_mean + self.cost + charged + STAGE_PRICE * (len(chain) - 1)
+        charged += STAGE_PRICE * (len(chain) - 1) + STRAY_PRICE * self.strays
+        return self.to_mean + self.cost + charged
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -80,4 +91,22 @@ def judge(branch: Branch, strokes: FloatArray, scale: float) -> Judged:
         to_mean=discrete_frechet(main.path, branch.mean) / scale,
         distances=tuple(distances),
         valid=valid,
+        strays=_strays(branch, scale),
     )
+
+
+def _strays(branch: Branch, scale: float) -> float:
+    offsets = np.hypot(*(branch.starts - branch.start).T)
+    radius = max(_FARTHER * float(offsets.max()), _LEAST * scale)
+    turns = np.linspace(0.0, 2.0 * np.pi, _STARTS, endpoint=False)
+    ring = radius * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+    fading = np.linspace(1.0, 0.0, len(branch.mean))[:, None]
+    astray = 0
+    for offset in ring:
+        start = branch.start + offset
+        chain = branch.chain_for(start)
+        found = chain_rollout(start, chain, goal_tolerance=GOAL_TOLERANCE)
+        apart = discrete_frechet(found.path, branch.mean + fading * offset) / scale
+        arrives = found.status is RolloutStatus.ARRIVED
+        astray += not arrives or apart > _ASTRAY
+    return astray / _STARTS

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bath_drake.composition.branch import Branch
 from bath_drake.composition.certify import certify_chain
+from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout
-from bath_drake.field.navigation import min_beta
+from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus
 from bath_drake.learning.alignment import align
@@ -76,7 +78,22 @@ def test_a_chain_is_charged_for_its_fields_and_obstacles(loop, learned):
     stages, obstacles = len(branch.chain), branch.chain.obstacle_count
     # The prices as documented: 0.0005 an obstacle, 0.001 a field more.
     expected = distances + 0.0005 * obstacles + 0.001 * (stages - 1)
+    expected += 0.1 * judged.strays
     assert judged.price == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_motion_that_goes_round_the_other_way_from_nearby_strays(loop):
+    # A wide disc on a straight way: from a little beside it, left or right decides.
+    t = np.linspace(0.0, 1.0, 160)
+    mean = np.stack([1.4 * t - 0.7, 0.45 * np.sin(np.pi * t)], axis=-1)
+    disc = ObstacleSet(np.array([[0.0, 0.0, 0.35, 0.35, 0.0]]))
+    field = NavigationField(DISC, mean[-1], 4.0, disc)
+    starts = mean[0] + np.array([[0.0, 0.0], [0.0, 0.06]])
+    branch = Branch(Chain((field,)), starts.mean(axis=0), starts, mean)
+    judged = judge(branch, mean[None] + [0.0, 0.03], 1.4)
+    assert 0.0 < judged.strays < 1.0
+    clear = replace(branch, chain=Chain((replace(field, obstacles=ObstacleSet()),)))
+    assert judge(clear, mean[None], 1.4).strays == 1.0  # straight on: never the bow
 
 
 def test_one_unproved_field_makes_a_branch_invalid(loop, learned):
