@@ -138,8 +138,6 @@ def composed(request):
     scenario.scene.wound = WOUNDS[request.param]
     if scenario.scene.wound is not None:
         scenario.limits.frechet_executed = None
-        # The way round leads down the flank, where the camera looks along the skin.
-        scenario.limits.normal_error_mean_deg = 6.0
     skill = composed_skill()
     log = run(diagrams.build_reproduction(scenario, skill), scenario)
     return scenario, log, evaluate(log, scenario, skill)
