@@ -21,6 +21,7 @@ from functools import partial
 import numpy as np
 
 from bath_drake.benchmarks import numpy_field
+from bath_drake.benchmarks.chains import chain_proof
 from bath_drake.benchmarks.figures import Figure, Progress
 from bath_drake.benchmarks.fresh import (
     first_calls,
@@ -81,6 +82,7 @@ def run(progress: Progress, effort: Effort | None = None) -> list[Figure]:
         ("proving disjoint ellipses", 15.0, disjoint_proofs),
         ("proving overlapping ellipses", 20.0, overlapping_proofs),
         ("proving without a compiler", 15.0, uncompiled_proofs),
+        ("proving a chain", 1.0, chains),
         ("random boxes", 75.0, soundness_of_boxes),
         ("roll-outs in proved worlds", 18.0, soundness_of_proofs),
         ("directions", 3.0, directions),
@@ -158,6 +160,11 @@ def uncompiled_proofs(effort: Effort, tick: _Tick) -> list[Figure]:
     ]
     ratios = [p / c for p, c in zip(plain, compiled, strict=True)]
     return [Figure("proof_12_disjoint_speedup", float(np.median(ratios)), "x plain")]
+
+
+def chains(effort: Effort, tick: _Tick) -> list[Figure]:
+    """The proof of a whole composition."""
+    return chain_proof()
 
 
 def soundness_of_boxes(effort: Effort, tick: _Tick) -> list[Figure]:
