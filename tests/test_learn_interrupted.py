@@ -42,6 +42,14 @@ def whole(arc, tmp_path_factory):
     return path
 
 
+@pytest.fixture(autouse=True)
+def ctrl_c_as_in_a_terminal():
+    """A shell's background jobs ignore Ctrl-C, and so do the tests run there."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def names(folder):
     return sorted(path.name for path in folder.iterdir())
 
