@@ -1,0 +1,1 @@
+"""Recordings of a depth camera: a folder of colour and depth images."""
