@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import (
     ConstantValueSource,
     ConstantVectorSource,
@@ -19,7 +19,6 @@ from pydrake.systems.primitives import (
 )
 
 from bath_drake.learning.skill import Skill
-from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.scenario import (
     Scenario,
@@ -34,6 +33,7 @@ from bath_drake.scene import (
     home_position,
     make_control_plant,
 )
+from bath_drake.scene.sensing import add_depth_noise, add_frame_recorder
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.approach_sequencer import ApproachSequencer
 from bath_drake.systems.body_segmenter import BodySegmenter
@@ -42,6 +42,7 @@ from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker
 from bath_drake.systems.certificate_monitor import CertificateMonitor
 from bath_drake.systems.differential_ik import DifferentialIk
+from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.systems.hold_supervisor import HoldSupervisor
 from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
@@ -120,8 +121,9 @@ def build_perception(scenario: Scenario) -> Diagram:
     """The scene, the camera and what is made of its images; the arm stays at home."""
     builder = DiagramBuilder()
     scene = add_scene(builder, scenario.scene)
-    perception = _add_perception(builder, scenario, scene)
-
+    perception = _add_perception(
+        builder, scenario, scene, _depth(builder, scenario, scene)
+    )
     rest = np.concatenate([home_position(scenario.scene.arm), np.zeros(7)])
     command = builder.AddNamedSystem(
         "joint_command", ConstantVectorSource(drake_vector(rest))
@@ -141,7 +143,11 @@ def build_perception(scenario: Scenario) -> Diagram:
 
 
 def build_reproduction(
-    scenario: Scenario, skill: Skill, *, meshcat: Meshcat | None = None
+    scenario: Scenario,
+    skill: Skill,
+    *,
+    meshcat: Meshcat | None = None,
+    write_frame: WriteFrame | None = None,
 ) -> Diagram:
     """The whole chain, from the camera to the arm and back (paper, Sec. IV).
 
@@ -149,16 +155,27 @@ def build_reproduction(
         scenario: Every choice of the run.
         skill: What to reproduce.
         meshcat: Where to draw the scene; None draws nothing.
+        write_frame: Takes every frame of the camera; None records nothing.
 
     Raises:
         ScenarioError: If the person the scenario names is not there or damaged.
     """
     builder = DiagramBuilder()
     scene = add_scene(builder, scenario.scene)
-    perception = _add_perception(builder, scenario, scene)
+    depth = _depth(builder, scenario, scene)
+    perception = _add_perception(builder, scenario, scene, depth)
     control = _add_control(builder, scenario, skill)
     _close_loop(builder, scene, perception, control)
     _add_logs(builder, scene, {**perception, **control})
+    if write_frame is not None:
+        add_frame_recorder(
+            builder,
+            colour=scene.camera.color_image_output_port(),
+            depth=depth,
+            config=scenario.scene.camera,
+            period=1.0 / scenario.perception.camera_rate,
+            write=write_frame,
+        )
     if meshcat is not None:
         visualizer = MeshcatVisualizer.AddToBuilder(
             builder,
@@ -186,24 +203,27 @@ def _connect(
         builder.Connect(source.GetOutputPort(port), sink.GetInputPort(port))
 
 
+def _depth(builder: DiagramBuilder, scenario: Scenario, scene: Scene) -> OutputPort:
+    """What the loop gets of the camera's depth: noisy if the scenario says so."""
+    return add_depth_noise(
+        builder,
+        scene.camera.depth_image_32F_output_port(),
+        scenario.scene.camera,
+        seed=scenario.random_seed,
+        period=1.0 / scenario.perception.camera_rate,
+    )
+
+
 def _add_perception(
-    builder: DiagramBuilder, scenario: Scenario, scene: Scene
+    builder: DiagramBuilder, scenario: Scenario, scene: Scene, depth: OutputPort
 ) -> dict[str, Any]:
     config = scenario.perception
-    camera = scenario.scene.camera
     systems = _add_all(
         builder,
         {
             "arm_position": Demultiplexer([7, 7]),
             "body_segmenter": BodySegmenter(
-                camera=PinholeCamera(
-                    camera.width,
-                    camera.height,
-                    camera.fx,
-                    camera.fy,
-                    camera.cx,
-                    camera.cy,
-                ),
+                camera=scenario.scene.camera.pinhole(),
                 X_WC=scene.X_WC,
                 robot=ArmGeometry(scenario.scene.arm),
                 config=segmentation(scenario),
@@ -221,10 +241,7 @@ def _add_perception(
     builder.Connect(
         scene.camera.color_image_output_port(), segmenter.GetInputPort("colour_image")
     )
-    builder.Connect(
-        scene.camera.depth_image_32F_output_port(),
-        segmenter.GetInputPort("depth_image"),
-    )
+    builder.Connect(depth, segmenter.GetInputPort("depth_image"))
     split = systems["arm_position"]
     builder.Connect(
         scene.plant.get_state_output_port(scene.arm), split.get_input_port()

@@ -14,6 +14,7 @@ from bath_drake.report.page import write_report
 from bath_drake.scenario import Scenario, dump_scenario
 from bath_drake.simulation import Progress, run
 from bath_drake.skill_file import save_skill
+from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.verification import Evaluation, evaluate
 from bath_drake.yaml_io import write_atomically
 
@@ -40,6 +41,7 @@ def simulate_into(
     *,
     meshcat: Meshcat,
     progress: Progress | None = None,
+    write_frame: WriteFrame | None = None,
 ) -> Evaluation:
     """Runs a scenario and leaves everything it came to in `folder`.
 
@@ -49,13 +51,16 @@ def simulate_into(
         skill: What to reproduce.
         meshcat: Shows the run live and records it.
         progress: See `bath_drake.simulation.run`.
+        write_frame: Takes every frame of the camera; None records nothing.
     """
     # A stale verdict must not stand beside a run that fails half-way.
     for name in (LOG, METRICS, REPORT, PAGE):
         (folder / name).unlink(missing_ok=True)
     write_atomically(folder / SCENARIO, dump_scenario(scenario), error=RunFolderError)
     save_skill(folder / SKILL, skill)
-    diagram = build_reproduction(scenario, skill, meshcat=meshcat)
+    diagram = build_reproduction(
+        scenario, skill, meshcat=meshcat, write_frame=write_frame
+    )
     meshcat.StartRecording(set_visualizations_while_recording=True)
     log = run(diagram, scenario, progress)
     meshcat.StopRecording()

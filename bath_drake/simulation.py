@@ -80,7 +80,12 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
     colour = _output(diagram, context, "camera", "color_image").data
-    depth = _output(diagram, context, "camera", "depth_image_32f").data
+    # As the loop saw it.
+    if diagram.HasSubsystemNamed("kinect_noise"):
+        image = _output(diagram, context, "kinect_noise", "noisy_depth_image")
+    else:
+        image = _output(diagram, context, "camera", "depth_image_32f")
+    depth = image.data
     completed = float(np.sum(observation.completed_areas))
     hidden = 1.0 - observation.area / completed if completed > 0.0 else 1.0
     return {

@@ -42,6 +42,7 @@ def test_every_verb_explains_itself(capsys, verb):
         (("simulate", "reproduction", "--person", "nobody"), "no such folder"),
         (("simulate", "reproduction", "--seconds", "-1"), "--seconds"),
         (("simulate", "reproduction", "--skill", "none.yaml"), "none.yaml"),
+        (("simulate", "reproduction", "--record", "/dev/null"), "not a folder"),
         (("report", "/no/such/run"), "/no/such/run"),
         (("diagram", "no_such"), "no such scenario"),
         (("learn", "no_such.csv", "-o", "s.yaml"), "no_such.csv"),

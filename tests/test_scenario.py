@@ -43,6 +43,7 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
         ("control: {far_standoff: 0.05}\n", "far_standoff"),
         ("scene: {wound: {centre: [1]}}\n", "wound.centre must be 2"),
         ("scene: {camera: {eye: 3}}\n", "scene.camera.eye: found 3"),
+        ("scene: {camera: {noise: loud}}\n", "camera.noise: found 'loud', allowed"),
         ("duration: 1e9\n", "duration: found 1000000000.0, allowed"),
         ("random_seed: -1\n", "random_seed: found -1"),
         ("random_seed: 1.5\n", "random_seed: found 1.5"),

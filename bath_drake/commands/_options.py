@@ -6,9 +6,11 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 from pydrake.geometry import Meshcat
 from tqdm import tqdm
 
+from bath_drake.demonstrations.rgbd.writer import RgbdWriter, check_recording_output
 from bath_drake.learning.skill import Skill
 from bath_drake.run_folder import (
     PAGE,
@@ -40,9 +42,39 @@ def simulation_bar(duration: float) -> Iterator[Progress]:
         yield progress
 
 
-def run_and_report(folder: Path, scenario: Scenario, skill: Skill, live: bool) -> int:
-    """Simulates into `folder`, prints the verdict; 0 if it passes, 1 if not."""
+def recording_writer(folder: Path, scenario: Scenario) -> RgbdWriter:
+    """Begins a recording of a scenario's camera; DemonstrationError if it cannot be."""
+    camera = scenario.scene.camera
+    X_WC = np.eye(4)
+    X_WC[:3, :3], X_WC[:3, 3] = camera.rotation(), camera.eye
+    return RgbdWriter(folder, camera.pinhole(), X_WC)
+
+
+def recording_line(writer: RgbdWriter) -> str:
+    """What was recorded, as a line for a terminal."""
+    size = sum(path.stat().st_size for path in writer.folder.rglob("*.*"))
+    last = writer.times[-1] if writer.times else 0.0
+    return (
+        f"recorded: {writer.folder} ({len(writer.times)} frames, {last:.1f} s, "
+        f"{size / 1e6:.0f} MB)"
+    )
+
+
+def run_and_report(
+    folder: Path,
+    scenario: Scenario,
+    skill: Skill,
+    live: bool,
+    record: Path | None = None,
+) -> int:
+    """Simulates into `folder`, prints the verdict; 0 if it passes, 1 if not.
+
+    With `record` the camera's frames go into that folder.
+    """
+    if record is not None:
+        check_recording_output(record)
     make_run_folder(folder)
+    writer = None if record is None else recording_writer(record, scenario)
     # Drake sets its own level on import; the address is printed below if wanted.
     logging.getLogger("drake").setLevel(logging.WARNING)
     meshcat = Meshcat()
@@ -50,10 +82,17 @@ def run_and_report(folder: Path, scenario: Scenario, skill: Skill, live: bool) -
         print(f"Meshcat: {meshcat.web_url()}", flush=True)
     with simulation_bar(scenario.duration) as progress:
         evaluation = simulate_into(
-            folder, scenario, skill, meshcat=meshcat, progress=progress
+            folder,
+            scenario,
+            skill,
+            meshcat=meshcat,
+            progress=progress,
+            write_frame=None if writer is None else writer.write,
         )
     print("\n".join(verdict_lines(evaluation.metrics)))
     print(f"report:  {folder / REPORT}\nmeshcat: {folder / PAGE}")
+    if writer is not None:
+        print(recording_line(writer))
     if live:
         input("press Enter to close Meshcat ") if sys.stdin.isatty() else None
     return 0 if evaluation.metrics["verdict"] == "pass" else 1

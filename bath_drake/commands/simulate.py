@@ -11,6 +11,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--person", metavar="DIR", help="a folder or a shipped name")
     parser.add_argument("--seconds", type=float, metavar="S", help="longest run")
     parser.add_argument("--meshcat", action="store_true", help="show it live")
+    parser.add_argument(
+        "--record", type=Path, metavar="FOLDER", help="the camera's frames, as RGB-D"
+    )
     parser.add_argument("--out", type=Path, metavar="DIR", help="the run's folder")
 
 
@@ -43,4 +46,4 @@ def run(options: argparse.Namespace) -> int:
     load_person(scenario.scene.person)
     skill = load_skill(find_skill(options.skill or scenario.skill))
     folder = options.out or Path("runs") / path.stem
-    return run_and_report(folder, scenario, skill, options.meshcat)
+    return run_and_report(folder, scenario, skill, options.meshcat, options.record)

@@ -6,6 +6,9 @@ import numpy as np
 
 from bath_drake.notation import FloatArray
 from bath_drake.patient.motion import MotionConfig, check_motion
+from bath_drake.perception.camera import PinholeCamera
+
+CAMERA_NOISES = ("none", "kinect_v2")
 
 
 @dataclass(kw_only=True)
@@ -28,6 +31,13 @@ class CameraConfig:
     target: list[float] = field(
         default_factory=lambda: [0.78, 0.0, 0.78]
     )  # m, W, what it looks at
+    noise: str = "none"  # of its depth: none, or kinect_v2
+
+    def pinhole(self) -> PinholeCamera:
+        """Returns the camera's projection."""
+        return PinholeCamera(
+            self.width, self.height, self.fx, self.fy, self.cx, self.cy
+        )
 
     def rotation(self) -> FloatArray:
         """Returns R_WC (3, 3): z to the target, x right and level, y down."""
@@ -129,6 +139,11 @@ def check_scene(config: SceneConfig) -> None:
     }.items():
         if not np.isfinite(value):
             raise ValueError(f"{name} must be finite, got {value}")
+    if camera.noise not in CAMERA_NOISES:
+        allowed = ", ".join(CAMERA_NOISES)
+        raise ValueError(
+            f"camera.noise: found {camera.noise[:40]!r}, allowed: {allowed}"
+        )
     sight = np.subtract(camera.target, camera.eye)
     if np.hypot(sight[0], sight[1]) < 1e-3:
         raise ValueError("camera.target must not lie straight above or below the eye")

@@ -24,7 +24,7 @@ def simulated(monkeypatch):
     """Stands in for the simulation; tells what it was asked for."""
     asked = SimpleNamespace(verdict="pass", calls=[])
 
-    def simulate_into(folder, scenario, skill, *, meshcat, progress):
+    def simulate_into(folder, scenario, skill, *, meshcat, progress, write_frame=None):
         progress(0.5, scenario.duration)
         progress(scenario.duration + 1.0, scenario.duration)
         asked.calls.append((folder, scenario, skill))
