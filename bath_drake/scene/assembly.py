@@ -1,30 +1,9 @@
-"""Puts the scene into a DiagramBuilder: room, person, arm, camera."""
+"""Puts the robot's scene into a DiagramBuilder: room, person, camera and the arm."""
 
 from dataclasses import dataclass
 
-import numpy as np
-from pydrake.geometry import (
-    ClippingRange,
-    ColorRenderCamera,
-    DepthRange,
-    DepthRenderCamera,
-    FrameId,
-    GeometryFrame,
-    GeometryId,
-    GeometryInstance,
-    IllustrationProperties,
-    LightParameter,
-    MakeRenderEngineVtk,
-    Mesh,
-    PerceptionProperties,
-    RenderCameraCore,
-    RenderEngineVtkParams,
-    RenderLabel,
-    Rgba,
-    SceneGraph,
-    SourceId,
-)
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.geometry import FrameId, SceneGraph
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
     MultibodyPlant,
@@ -33,32 +12,15 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.sensors import CameraInfo, RgbdSensor
+from pydrake.systems.sensors import RgbdSensor
 
-from bath_drake.patient.motion import person_pose
-from bath_drake.patient.people import PARTS, Person, load_person
-from bath_drake.patient.wound import WoundPatch, wound_patch
+from bath_drake.patient.people import Person, load_person
+from bath_drake.patient.wound import WoundPatch
 from bath_drake.scene.arm import add_arm, home_position
-from bath_drake.scene.config import CameraConfig, SceneConfig, check_scene
-from bath_drake.scene.room import (
-    add_camera_stand,
-    add_pedestal,
-    add_room,
-    add_stool,
-    coloured,
-    obj_mesh,
-)
-from bath_drake.systems._poses import at, rotation_from
+from bath_drake.scene.config import SceneConfig, check_scene
+from bath_drake.scene.room import add_pedestal
+from bath_drake.scene.studio import add_studio, true_person_pose
 from bath_drake.systems.patient_motion import PatientMotion
-
-# Labels of the person's parts in the label image, for tests and verification.
-PERSON_LABELS = {part: 100 + k for k, part in enumerate(PARTS)}
-WOUND_LABEL = 110
-
-_RENDERER = "vtk"
-# What the camera can see at all, m; its depth range is CameraConfig's.
-_CLIPPING = (0.1, 6.0)
-_WOUND_COLOUR = Rgba(0.05, 0.03, 0.03)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +53,7 @@ class Scene:
 
     def true_person_pose(self, t: float) -> RigidTransform:
         """Returns the true X_WM at time t, for verification alone."""
-        return _person_pose(self.config, self.person, t)
+        return true_person_pose(self.config, self.person, t)
 
 
 def add_scene(
@@ -125,43 +87,20 @@ def add_scene(
     plant.Finalize()
     plant.SetDefaultPositions(arm, home_position(config.arm))
     _compensate_gravity(builder, plant, arm)
-    scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
-    room = scene_graph.RegisterSource("room")
-    add_room(scene_graph, room)
-    X_WM = _person_pose(config, person, 0.0)
-    add_stool(scene_graph, room, X_WM.multiply(person.seat))
-    add_pedestal(scene_graph, room, config.arm)
-    add_camera_stand(scene_graph, room, config.camera)
-    source, frame, wound = _add_person(scene_graph, person, config)
-    motion = PatientMotion(
-        frame_id=frame,
-        motion=config.motion,
-        person_position=np.array(config.person_position),
-        person_yaw=config.person_yaw,
-        hips=person.hips,
-        breath_direction=person.back_normal,
-    )
-    builder.AddNamedSystem("patient_motion", motion)
-    builder.Connect(
-        motion.GetOutputPort("geometry_pose"), scene_graph.get_source_pose_port(source)
-    )
-    X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
-    camera = _add_camera(builder, scene_graph, config.camera, X_WC)
+    studio = add_studio(builder, scene_graph, config, person)
+    add_pedestal(scene_graph, studio.room, config.arm)
     return Scene(
-        plant, scene_graph, camera, motion, arm, person, frame, wound, X_WC, config
+        plant=plant,
+        scene_graph=scene_graph,
+        camera=studio.camera,
+        patient_motion=studio.patient_motion,
+        arm=arm,
+        person=person,
+        person_frame=studio.person_frame,
+        wound=studio.wound,
+        X_WC=studio.X_WC,
+        config=config,
     )
-
-
-def _person_pose(config: SceneConfig, person: Person, t: float) -> RigidTransform:
-    R, p = person_pose(
-        t,
-        config.motion,
-        np.array(config.person_position),
-        config.person_yaw,
-        person.hips,
-        person.back_normal,
-    )
-    return at(p, rotation_from(R))
 
 
 def _compensate_gravity(
@@ -183,96 +122,3 @@ def _compensate_gravity(
         gravity.get_output_port_generalized_force(),
         plant.get_actuation_input_port(arm),
     )
-
-
-def _renderer() -> RenderEngineVtkParams:
-    def light(direction: list[float], intensity: float, frame: str) -> LightParameter:
-        return LightParameter(
-            type="directional",
-            direction=np.array(direction),
-            intensity=intensity,
-            frame=frame,
-        )
-
-    return RenderEngineVtkParams(
-        default_clear_color=np.array([0.90, 0.95, 0.97]),
-        lights=[
-            light([0.0, 0.0, 1.0], 1.4, "camera"),
-            light([0.35, 0.45, -0.82], 1.2, "world"),
-            light([0.45, -0.75, -0.5], 0.7, "world"),
-        ],
-    )
-
-
-def _add_person(
-    scene_graph: SceneGraph, person: Person, config: SceneConfig
-) -> tuple[SourceId, FrameId, WoundPatch | None]:
-    source = scene_graph.RegisterSource("person")
-    frame = scene_graph.RegisterFrame(source, GeometryFrame("person"))
-    for part in PARTS:
-        _register_part(scene_graph, source, frame, person, part)
-    if config.wound is None:
-        return source, frame, None
-    wound = wound_patch(
-        person,
-        np.array(config.wound.centre),
-        np.array(config.wound.semi_axes),
-        config.wound.angle,
-    )
-    shape = obj_mesh("wound", wound.vertices, wound.normals, wound.triangles)
-    scene_graph.RegisterGeometry(
-        source,
-        frame,
-        coloured(shape, RigidTransform(), "wound", _WOUND_COLOUR, WOUND_LABEL),
-    )
-    return source, frame, wound
-
-
-def _register_part(
-    scene_graph: SceneGraph,
-    source: SourceId,
-    frame: FrameId,
-    person: Person,
-    part: str,
-) -> list[GeometryId]:
-    """One geometry for both roles, or two where the camera's is decimated."""
-    perception = PerceptionProperties()
-    perception.AddProperty("label", "id", RenderLabel(PERSON_LABELS[part]))
-    paths = {person.part_path(part), person.part_path(part, for_camera=True)}
-    ids = []
-    for path in sorted(paths):
-        name = path.stem
-        instance = GeometryInstance(RigidTransform(), Mesh(path), name)
-        if path == person.part_path(part):
-            instance.set_illustration_properties(IllustrationProperties())
-        if path == person.part_path(part, for_camera=True):
-            instance.set_perception_properties(perception)
-        ids.append(scene_graph.RegisterGeometry(source, frame, instance))
-    return ids
-
-
-def _add_camera(
-    builder: DiagramBuilder,
-    scene_graph: SceneGraph,
-    config: CameraConfig,
-    X_WC: RigidTransform,
-) -> RgbdSensor:
-    core = RenderCameraCore(
-        _RENDERER,
-        CameraInfo(
-            config.width, config.height, config.fx, config.fy, config.cx, config.cy
-        ),
-        ClippingRange(*_CLIPPING),
-        RigidTransform(),
-    )
-    camera = RgbdSensor(
-        scene_graph.world_frame_id(),
-        X_WC,
-        ColorRenderCamera(core, False),
-        DepthRenderCamera(core, DepthRange(config.near, config.far)),
-    )
-    builder.AddNamedSystem("camera", camera)
-    builder.Connect(
-        scene_graph.get_query_output_port(), camera.query_object_input_port()
-    )
-    return camera

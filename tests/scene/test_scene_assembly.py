@@ -8,8 +8,9 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.scene.arm import ArmGeometry, home_position
-from bath_drake.scene.assembly import PERSON_LABELS, WOUND_LABEL, add_scene
+from bath_drake.scene.assembly import add_scene
 from bath_drake.scene.config import ArmConfig, SceneConfig, WoundConfig, check_scene
+from bath_drake.scene.studio import PERSON_LABELS, WOUND_LABEL
 
 TIME = 7.3  # s, when the person has moved in every way
 

@@ -1,0 +1,218 @@
+"""What every Diagram's camera films: the room, the person on the stool, the camera."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import (
+    ClippingRange,
+    ColorRenderCamera,
+    DepthRange,
+    DepthRenderCamera,
+    FrameId,
+    GeometryFrame,
+    GeometryId,
+    GeometryInstance,
+    IllustrationProperties,
+    LightParameter,
+    MakeRenderEngineVtk,
+    Mesh,
+    PerceptionProperties,
+    RenderCameraCore,
+    RenderEngineVtkParams,
+    RenderLabel,
+    Rgba,
+    SceneGraph,
+    SourceId,
+)
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.sensors import CameraInfo, RgbdSensor
+
+from bath_drake.patient.motion import person_pose
+from bath_drake.patient.people import PARTS, Person
+from bath_drake.patient.wound import WoundPatch, wound_patch
+from bath_drake.scene.config import CameraConfig, SceneConfig
+from bath_drake.scene.room import (
+    add_camera_stand,
+    add_room,
+    add_stool,
+    coloured,
+    obj_mesh,
+)
+from bath_drake.systems._poses import at, rotation_from
+from bath_drake.systems.patient_motion import PatientMotion
+
+# Labels of the person's parts in the label image, for tests and verification.
+PERSON_LABELS = {part: 100 + k for k, part in enumerate(PARTS)}
+WOUND_LABEL = 110
+
+_RENDERER = "vtk"
+# What the camera can see at all, m; its depth range is CameraConfig's.
+_CLIPPING = (0.1, 6.0)
+_WOUND_COLOUR = Rgba(0.05, 0.03, 0.03)
+
+
+@dataclass(frozen=True, eq=False)
+class Studio:
+    """The systems that are in every scene, and what is true about them.
+
+    Attributes:
+        scene_graph: Draws everything.
+        camera: The RgbdSensor named `camera`.
+        patient_motion: Moves the person.
+        person: The true person.
+        person_frame: The person's frame M in the SceneGraph.
+        room: The SceneGraph's source of all that stands still.
+        wound: The true wound, or None.
+        X_WC: The camera's pose.
+    """
+
+    scene_graph: SceneGraph
+    camera: RgbdSensor
+    patient_motion: PatientMotion
+    person: Person
+    person_frame: FrameId
+    room: SourceId
+    wound: WoundPatch | None
+    X_WC: RigidTransform
+
+
+def add_studio(
+    builder: DiagramBuilder,
+    scene_graph: SceneGraph,
+    config: SceneConfig,
+    person: Person,
+) -> Studio:
+    """Adds room, person and camera to a SceneGraph in a builder.
+
+    Raises:
+        ValueError: If the wound does not lie on the back.
+    """
+    scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
+    room = scene_graph.RegisterSource("room")
+    add_room(scene_graph, room)
+    X_WM = true_person_pose(config, person, 0.0)
+    add_stool(scene_graph, room, X_WM.multiply(person.seat))
+    add_camera_stand(scene_graph, room, config.camera)
+    source, frame, wound = _add_person(scene_graph, person, config)
+    motion = PatientMotion(
+        frame_id=frame,
+        motion=config.motion,
+        person_position=np.array(config.person_position),
+        person_yaw=config.person_yaw,
+        hips=person.hips,
+        breath_direction=person.back_normal,
+    )
+    builder.AddNamedSystem("patient_motion", motion)
+    builder.Connect(
+        motion.GetOutputPort("geometry_pose"), scene_graph.get_source_pose_port(source)
+    )
+    X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
+    camera = _add_camera(builder, scene_graph, config.camera, X_WC)
+    return Studio(scene_graph, camera, motion, person, frame, room, wound, X_WC)
+
+
+def true_person_pose(config: SceneConfig, person: Person, t: float) -> RigidTransform:
+    """Returns the true X_WM at time t: for verification and placing alone."""
+    R, p = person_pose(
+        t,
+        config.motion,
+        np.array(config.person_position),
+        config.person_yaw,
+        person.hips,
+        person.back_normal,
+    )
+    return at(p, rotation_from(R))
+
+
+def _renderer() -> RenderEngineVtkParams:
+    def light(direction: list[float], intensity: float, frame: str) -> LightParameter:
+        return LightParameter(
+            type="directional",
+            direction=np.array(direction),
+            intensity=intensity,
+            frame=frame,
+        )
+
+    return RenderEngineVtkParams(
+        default_clear_color=np.array([0.90, 0.95, 0.97]),
+        lights=[
+            light([0.0, 0.0, 1.0], 1.4, "camera"),
+            light([0.35, 0.45, -0.82], 1.2, "world"),
+            light([0.45, -0.75, -0.5], 0.7, "world"),
+        ],
+    )
+
+
+def _add_person(
+    scene_graph: SceneGraph, person: Person, config: SceneConfig
+) -> tuple[SourceId, FrameId, WoundPatch | None]:
+    source = scene_graph.RegisterSource("person")
+    frame = scene_graph.RegisterFrame(source, GeometryFrame("person"))
+    for part in PARTS:
+        _register_part(scene_graph, source, frame, person, part)
+    if config.wound is None:
+        return source, frame, None
+    wound = wound_patch(
+        person,
+        np.array(config.wound.centre),
+        np.array(config.wound.semi_axes),
+        config.wound.angle,
+    )
+    shape = obj_mesh("wound", wound.vertices, wound.normals, wound.triangles)
+    scene_graph.RegisterGeometry(
+        source,
+        frame,
+        coloured(shape, RigidTransform(), "wound", _WOUND_COLOUR, WOUND_LABEL),
+    )
+    return source, frame, wound
+
+
+def _register_part(
+    scene_graph: SceneGraph,
+    source: SourceId,
+    frame: FrameId,
+    person: Person,
+    part: str,
+) -> list[GeometryId]:
+    """One geometry for both roles, or two where the camera's is decimated."""
+    perception = PerceptionProperties()
+    perception.AddProperty("label", "id", RenderLabel(PERSON_LABELS[part]))
+    paths = {person.part_path(part), person.part_path(part, for_camera=True)}
+    ids = []
+    for path in sorted(paths):
+        name = path.stem
+        instance = GeometryInstance(RigidTransform(), Mesh(path), name)
+        if path == person.part_path(part):
+            instance.set_illustration_properties(IllustrationProperties())
+        if path == person.part_path(part, for_camera=True):
+            instance.set_perception_properties(perception)
+        ids.append(scene_graph.RegisterGeometry(source, frame, instance))
+    return ids
+
+
+def _add_camera(
+    builder: DiagramBuilder,
+    scene_graph: SceneGraph,
+    config: CameraConfig,
+    X_WC: RigidTransform,
+) -> RgbdSensor:
+    core = RenderCameraCore(
+        _RENDERER,
+        CameraInfo(
+            config.width, config.height, config.fx, config.fy, config.cx, config.cy
+        ),
+        ClippingRange(*_CLIPPING),
+        RigidTransform(),
+    )
+    camera = RgbdSensor(
+        scene_graph.world_frame_id(),
+        X_WC,
+        ColorRenderCamera(core, False),
+        DepthRenderCamera(core, DepthRange(config.near, config.far)),
+    )
+    builder.AddNamedSystem("camera", camera)
+    builder.Connect(
+        scene_graph.get_query_output_port(), camera.query_object_input_port()
+    )
+    return camera
