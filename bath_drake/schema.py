@@ -15,8 +15,8 @@ T = TypeVar("T")
 def fill(schema: type[T], block: Block) -> T:
     """Returns an instance of `schema` with the block's values in place of defaults.
 
-    Fields may be bool, int, float, str, lists of those, other such dataclasses, and
-    any of them or None (`X | None`).
+    Fields may be bool, int, float, str, lists of those, lists of lists of floats, other
+    such dataclasses, and any of them or None (`X | None`).
 
     Args:
         schema: A dataclass whose every field has a default.
@@ -44,6 +44,8 @@ def _take(block: Block, key: str, kind: Any) -> Any:
         (kind,) = (k for k in alternatives if k is not NoneType)
     if is_dataclass(kind):
         return fill(kind, block.take_block(key))  # type: ignore[arg-type]
+    if get_origin(kind) is list and get_origin(get_args(kind)[0]) is list:
+        return block.take_rows(key, None, None)
     if get_origin(kind) is list:
         return block.take_list(key, get_args(kind)[0])
     if kind in (bool, int, float, str):

@@ -178,8 +178,10 @@ class Block:
             self.fail(key, f"found {len(items)} items, expected {length}")
         return [self._checked(f"{key}[{i}]", v, kind) for i, v in enumerate(items)]
 
-    def take_rows(self, key: str, rows: int | None, columns: int) -> list[list[float]]:
-        """Returns a matrix of numbers, row by row; any number of rows if None."""
+    def take_rows(
+        self, key: str, rows: int | None, columns: int | None
+    ) -> list[list[float]]:
+        """Returns a matrix of numbers, row by row; None takes any number of them."""
         lists = self.take_list(key, list, rows)
         named = {f"{key}[{i}]": row for i, row in enumerate(lists)}
         block = Block(named, self._source, self._key, self._error)

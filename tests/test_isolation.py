@@ -26,7 +26,8 @@ SENSORS = {
 WORLD = {"patient_motion", "scene_graph", "camera", "plant"}
 # What moves the arm or ends its motion.
 DECIDING = ("differential_ik", "hold_supervisor", "loop_monitor")
-SCENES = [name for name in BUILDERS if name != "canonical_loop"]
+# Where a carer is filmed no robot is told anything.
+SCENES = [name for name in BUILDERS if name not in ("canonical_loop", "demonstration")]
 LOOPS = [name for name in SCENES if not name.endswith("_perception")]
 
 

@@ -18,6 +18,7 @@ PURE = (
     "safety",
     "control",
     "patient",
+    "carer",
 )
 # A module may import from its own room and from those before it.
 ORDER = (
@@ -31,15 +32,17 @@ ORDER = (
     ("perception",),
     ("demonstrations",),
     ("learning", "safety", "patient"),
+    ("carer",),
     ("control",),
     ("branch_file",),
     ("skill_file",),
     ("systems",),
     ("scene",),
     ("scenario",),
-    ("diagrams",),
+    ("diagrams", "recording_diagram"),
     ("simulation_log",),
     ("simulation",),
+    ("carer_recording",),
     ("verification",),
     ("graph_layout",),
     ("block_diagram",),

@@ -12,6 +12,7 @@ from bath_drake.diagrams import (
     build_perception,
     build_reproduction,
 )
+from bath_drake.recording_diagram import build_recording
 from bath_drake.resources import diagrams_folder
 from bath_drake.scenario import Scenario, load_scenario
 
@@ -24,10 +25,17 @@ def made_up_skill():
     return make_skill(Scenario())
 
 
+def _filmed(scenario: Scenario) -> Diagram:
+    return build_recording(scenario).diagram
+
+
 def _builders() -> dict[str, Callable[[], Diagram]]:
     builders = {"canonical_loop": lambda: build_canonical_loop(made_up_skill())}
     for path in sorted(diagrams_folder().glob("*.yaml")):
         scenario = load_scenario(path)
+        if scenario.scene.carer is not None:
+            builders[path.stem] = functools.partial(_filmed, scenario)
+            continue
         builders[path.stem] = functools.partial(
             build_reproduction, scenario, made_up_skill()
         )

@@ -10,8 +10,10 @@ import numpy as np
 from pydrake.geometry import Meshcat
 from tqdm import tqdm
 
+from bath_drake.carer_recording import record_carer
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter, check_recording_output
 from bath_drake.learning.skill import Skill
+from bath_drake.recording_diagram import build_recording
 from bath_drake.run_folder import (
     PAGE,
     REPORT,
@@ -24,11 +26,11 @@ from bath_drake.simulation import Progress
 
 
 @contextlib.contextmanager
-def simulation_bar(duration: float) -> Iterator[Progress]:
+def simulation_bar(duration: float, what: str = "simulating") -> Iterator[Progress]:
     """A bar of simulated seconds on a terminal; silent in a pipe."""
     bar = tqdm(
         total=duration,
-        desc="simulating",
+        desc=what,
         disable=not sys.stderr.isatty(),
         bar_format="{desc} {bar} {n:.1f}/{total:.0f} s [{elapsed}]",
     )
@@ -40,6 +42,19 @@ def simulation_bar(duration: float) -> Iterator[Progress]:
 
     with bar:
         yield progress
+
+
+def record_and_report(folder: Path, scenario: Scenario) -> int:
+    """Films the scenario's carer into `folder`, says what is there; returns 0."""
+    check_recording_output(folder)
+    # Whatever is wrong with the scenario is told before the folder is made.
+    build_recording(scenario)
+    writer = recording_writer(folder, scenario)
+    with simulation_bar(scenario.duration, "recording") as progress:
+        truth = record_carer(writer, scenario, progress)
+    print(recording_line(writer))
+    print(f"marker:   to be seen in {truth.seen} of {len(truth.t)} frames")
+    return 0
 
 
 def recording_writer(folder: Path, scenario: Scenario) -> RgbdWriter:

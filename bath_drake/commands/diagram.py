@@ -17,6 +17,7 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.block_diagram import draw_block_diagram
     from bath_drake.diagrams import build_reproduction
     from bath_drake.errors import ScenarioError
+    from bath_drake.recording_diagram import build_recording
     from bath_drake.scenario import find_scenario, find_skill, load_scenario
     from bath_drake.skill_file import load_skill
     from bath_drake.yaml_io import check_output, write_atomically
@@ -25,7 +26,10 @@ def run(options: argparse.Namespace) -> int:
     path = options.out or Path(f"{source.stem}.svg")
     check_output(path, error=ScenarioError)
     scenario = load_scenario(source)
-    diagram = build_reproduction(scenario, load_skill(find_skill(scenario.skill)))
+    if scenario.scene.carer is not None:
+        diagram = build_recording(scenario).diagram
+    else:
+        diagram = build_reproduction(scenario, load_skill(find_skill(scenario.skill)))
     write_atomically(path, draw_block_diagram(diagram), error=ScenarioError)
     print(path)
     return 0

@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from bath_drake.errors import ScenarioError
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the scenario and what may stand in for its choices."""
@@ -18,9 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Returns 0 if the verification passes, 1 if not."""
-    from bath_drake.commands._options import run_and_report
-    from bath_drake.errors import ScenarioError
+    """Returns 0 if the verification passes, 1 if not; 0 if a carer was filmed."""
+    from bath_drake.commands._options import record_and_report, run_and_report
     from bath_drake.patient.people import find_person, load_person
     from bath_drake.scenario import (
         check_scenario,
@@ -44,6 +45,24 @@ def run(options: argparse.Namespace) -> int:
         except ValueError as error:
             raise ScenarioError(f"--seconds: {error}") from error
     load_person(scenario.scene.person)
+    if scenario.scene.carer is not None:
+        _check_filming(options)
+        return record_and_report(options.record, scenario)
     skill = load_skill(find_skill(options.skill or scenario.skill))
     folder = options.out or Path("runs") / path.stem
     return run_and_report(folder, scenario, skill, options.meshcat, options.record)
+
+
+def _check_filming(options: argparse.Namespace) -> None:
+    """A carer is filmed, and nothing else can be asked for."""
+    if options.record is None:
+        raise ScenarioError(
+            f"{options.scenario}: a carer washes here, no robot; give --record FOLDER "
+            "to film it"
+        )
+    for name in ("skill", "meshcat", "out"):
+        if getattr(options, name):
+            raise ScenarioError(
+                f"{options.scenario}: a carer washes here, no robot; --{name} has no "
+                "meaning"
+            )

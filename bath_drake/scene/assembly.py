@@ -74,6 +74,8 @@ def add_scene(
         ValueError: If a number makes no scene.
     """
     check_scene(config)
+    if config.carer is not None:
+        raise ValueError("where a carer washes there is no robot: film it instead")
     person = load_person(config.person) if person is None else person
     plant, scene_graph = AddMultibodyPlant(
         MultibodyPlantConfig(

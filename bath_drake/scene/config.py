@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from bath_drake.carer.config import CarerConfig, check_carer
 from bath_drake.notation import FloatArray
 from bath_drake.patient.motion import MotionConfig, check_motion
 from bath_drake.perception.camera import PinholeCamera
@@ -99,6 +100,8 @@ class SceneConfig:
     arm: ArmConfig = field(default_factory=ArmConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
     wound: WoundConfig | None = None
+    # Who washes while the camera records; then there is no robot.
+    carer: CarerConfig | None = None
 
 
 def check_scene(config: SceneConfig) -> None:
@@ -150,6 +153,11 @@ def check_scene(config: SceneConfig) -> None:
     check_motion(config.motion)
     if config.wound is not None:
         _check_wound(config.wound)
+    if config.carer is not None:
+        try:
+            check_carer(config.carer)
+        except ValueError as error:
+            raise ValueError(f"carer.{error}") from error
 
 
 def _check_wound(wound: WoundConfig) -> None:
