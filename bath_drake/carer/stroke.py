@@ -92,7 +92,9 @@ def waypoint_stroke(config: CarerConfig) -> Stroke:
     points = np.array(config.waypoints)
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     knots = np.r_[0.0, np.cumsum(chords)]
-    curve = PchipInterpolator(knots, points)(np.linspace(0.0, knots[-1], _CURVE_SAMPLES))
+    curve = PchipInterpolator(knots, points)(
+        np.linspace(0.0, knots[-1], _CURVE_SAMPLES)
+    )
     lengths = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))]
     share = np.linspace(0.0, 1.0, _CURVE_SAMPLES)
     speed = _smooth(share / _SPEEDING_SHARE) * _smooth((1.0 - share) / _SPEEDING_SHARE)
