@@ -204,7 +204,8 @@ def find_demonstration(name: str | Path) -> Path:
 def _find(name: str | Path, kind: str) -> Path:
     path = Path(name)
     shipped = models_folder() / kind / path
-    if not path.exists() and path.name == str(name) and shipped.is_file():
+    within = not path.is_absolute() and ".." not in path.parts
+    if not path.exists() and within and shipped.is_file():
         return shipped
     # A missing file is reported by its reader, which says what it expects.
     return path

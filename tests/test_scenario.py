@@ -8,6 +8,7 @@ from bath_drake.scenario import (
     Scenario,
     approach_limits,
     dump_scenario,
+    find_demonstration,
     load_scenario,
     loop_bounds,
 )
@@ -61,6 +62,14 @@ def test_a_bad_scenario_is_refused_by_file_and_key(tmp_path, text, message):
     assert str(path) in str(caught.value)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_shipped_demonstrations_are_found_by_name_in_their_folders_too():
+    for name in ("back_sinusoid_1.csv", "strokes/s_curve_1.csv"):
+        assert find_demonstration(name).is_file()
+    # What leaves the folder is a path, and taken as one.
+    for name in ("../demonstrations/back_sinusoid_1.csv", "no_such.csv"):
+        assert str(find_demonstration(name)) == name
 
 
 def test_an_unknown_scenario_lists_the_shipped_ones():
