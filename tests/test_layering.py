@@ -106,3 +106,14 @@ def test_the_loop_never_imports_the_true_person():
         if room_of(path) in rooms:
             known = [n for n in imported_names(path) if n.startswith(truths)]
             assert not known, f"{path.relative_to(PACKAGE)} knows the true person"
+
+
+def test_the_carer_is_in_front_of_the_camera_alone():
+    """The filmed carer is laid on the true skin: no loop may learn of it."""
+    allowed = {"systems/carer_motion.py"}
+    rooms = ("perception", "safety", "control", "systems", "diagrams", "simulation")
+    for path in MODULES:
+        place = str(path.relative_to(PACKAGE))
+        if room_of(path) in rooms and place not in allowed:
+            known = [n for n in imported_names(path) if "carer" in n]
+            assert not known, f"{place} imports {known}"

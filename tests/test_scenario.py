@@ -2,6 +2,7 @@ import dataclasses
 
 import pytest
 
+from bath_drake.carer.config import CarerConfig
 from bath_drake.errors import ScenarioError
 from bath_drake.resources import diagrams_folder
 from bath_drake.scenario import (
@@ -26,6 +27,7 @@ def test_every_shipped_scenario_loads_by_its_name(name):
 def test_a_written_scenario_reads_back_the_same(tmp_path):
     scenario = Scenario(description="x", duration=7.5)
     scenario.scene.wound = WoundConfig(centre=[0.1, 1e-3])
+    scenario.scene.carer = CarerConfig(waypoints=[[0.5, 0], [0.25, 1e-3]])
     scenario.limits.frechet_executed = None
     path = tmp_path / "scenario.yaml"
     path.write_text(dump_scenario(scenario))
@@ -45,6 +47,8 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
         ("scene: {wound: {centre: [1]}}\n", "wound.centre must be 2"),
         ("scene: {camera: {eye: 3}}\n", "scene.camera.eye: found 3"),
         ("scene: {camera: {noise: loud}}\n", "camera.noise: found 'loud', allowed"),
+        ("scene: {carer: {waypoints: [[0, 0], [a, 1]]}}\n", "waypoints[1][0]: found"),
+        ("scene: {carer: {swing: 9}}\n", "scene: carer.swing: found 9.0, allowed"),
         ("duration: 1e9\n", "duration: found 1000000000.0, allowed"),
         ("random_seed: -1\n", "random_seed: found -1"),
         ("random_seed: 1.5\n", "random_seed: found 1.5"),

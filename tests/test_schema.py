@@ -20,6 +20,7 @@ class Outer:
     speed: float = 0.5
     title: str = "none"
     corners: list[float] = field(default_factory=lambda: [0.0])
+    rows: list[list[float]] = field(default_factory=list)
     limit: float | None = 2.0
     inner: Inner = field(default_factory=Inner)
     extra: Inner | None = None
@@ -42,6 +43,7 @@ def test_nothing_leaves_every_default():
         ("title", "true"),
         ("corners", []),
         ("corners", [1.5, -2.0]),
+        ("rows", [[1.0, 2.0], [], [3.0]]),
         ("limit", 0.1),
         ("limit", None),
     ],
