@@ -100,6 +100,41 @@ class CanonicalFrame:
 
 
 @dataclass(frozen=True, eq=False)
+class PeriodicPart:
+    """Circles or scrubbing on top of a demonstration, in N.
+
+    Attributes:
+        times: Shape (n,), s, from the same zero as the demonstration's.
+        offsets: From the discrete part to the hand, shape (n, 2), in N.
+        phase: Shape (n,), rad, not decreasing, 2 pi a cycle.
+        envelope: Shape (n,): how much of the cycle there is, from 0 to about 1.
+        period: Mean, s.
+    """
+
+    times: FloatArray
+    offsets: FloatArray
+    phase: FloatArray
+    envelope: FloatArray
+    period: float
+
+    def __post_init__(self) -> None:
+        for name in ("times", "offsets", "phase", "envelope"):
+            array = read_only(getattr(self, name))
+            if not np.all(np.isfinite(array)):
+                raise ValueError(f"{name} of a periodic part must be finite")
+            object.__setattr__(self, name, array)
+        n = self.times.size
+        shapes = [getattr(self, k).shape for k in ("times", "phase", "envelope")]
+        if n < 2 or shapes != [(n,)] * 3 or self.offsets.shape != (n, 2):
+            raise ValueError(
+                f"times, phase and envelope must have shape (n,), n >= 2, and offsets "
+                f"(n, 2), got {shapes} and {self.offsets.shape}"
+            )
+        if not (0.0 < self.period < np.inf):
+            raise ValueError(f"period must be positive and finite, got {self.period}")
+
+
+@dataclass(frozen=True, eq=False)
 class CanonicalDemonstration:
     """One demonstration in canonical space.
 
@@ -111,6 +146,7 @@ class CanonicalDemonstration:
         sha256: Hash of the recording's bytes.
         goal_offset: What was taken from the denoised path to bring its end to
             the common goal, shape (2,), in N.
+        periodic: What was taken off before `points` were made; None if nothing was.
     """
 
     name: str
@@ -119,6 +155,7 @@ class CanonicalDemonstration:
     raw: FloatArray
     sha256: str
     goal_offset: FloatArray = field(default_factory=lambda: np.zeros(2))
+    periodic: PeriodicPart | None = None
 
     def __post_init__(self) -> None:
         for name in ("times", "points", "raw", "goal_offset"):

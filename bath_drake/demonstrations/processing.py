@@ -9,10 +9,12 @@ from bath_drake.demonstrations.canonical import (
     CanonicalDemonstration,
     CanonicalFrame,
     FrameKind,
+    PeriodicPart,
 )
-from bath_drake.demonstrations.denoise import DenoisedPath, denoise
+from bath_drake.demonstrations.denoise import DenoisedPath, denoise, find_outliers
 from bath_drake.demonstrations.metadata import BodyBox
 from bath_drake.demonstrations.recording import Recording
+from bath_drake.demonstrations.separation import Separation, separate
 from bath_drake.errors import DemonstrationError
 from bath_drake.notation import FloatArray
 
@@ -32,6 +34,9 @@ def canonical_demonstrations(
 ) -> tuple[tuple[CanonicalDemonstration, ...], CanonicalFrame]:
     """Denoises recordings, maps them to N and resamples them by arc length.
 
+    Circles or scrubbing on top of a stroke are taken off first and kept beside it
+    (`separation`); what follows is about the discrete part alone.
+
     With body boxes each recording goes through its own box, and the frame returned
     is the first one's. Without, all share the best plane of all paths (or the plane
     they were recorded in). Each demonstration is moved as a whole so that all end
@@ -49,8 +54,22 @@ def canonical_demonstrations(
     if not recordings:
         raise ValueError("no recordings given")
     _check_alike(recordings)
-    smooth = [denoise(recording.t, recording.points) for recording in recordings]
-    for recording, path in zip(recordings, smooth, strict=True):
+    parts = [_separated(recording) for recording in recordings]
+    smooth = [
+        denoise(recording.t, recording.points)
+        if part.period is None
+        else denoise(part.t, part.discrete)
+        for recording, part in zip(recordings, parts, strict=True)
+    ]
+    for recording, path, part in zip(recordings, smooth, parts, strict=True):
+        if part.period is not None:
+            _log.info(
+                "%s: %.1f cycles of %.2f s and %.3g m taken off",
+                recording.path,
+                part.cycles,
+                part.period,
+                part.amplitude,
+            )
         _log.info(
             "%s: %d outliers left out, smoothed at %.2f Hz",
             recording.path,
@@ -64,8 +83,8 @@ def canonical_demonstrations(
     ]
     goal = np.mean([points[-1] for _, points in resampled], axis=0)
     demonstrations = []
-    for recording, frame, (times, points) in zip(
-        recordings, frames, resampled, strict=True
+    for recording, part, frame, (times, points) in zip(
+        recordings, parts, frames, resampled, strict=True
     ):
         _check_on_body(recording, points)
         offset = points[-1] - goal
@@ -80,9 +99,30 @@ def canonical_demonstrations(
                 raw=frame.to_canonical(recording.points),
                 sha256=recording.sha256,
                 goal_offset=offset,
+                periodic=_periodic(part, frame),
             )
         )
     return tuple(demonstrations), frames[0]
+
+
+def _separated(recording: Recording) -> Separation:
+    outliers = find_outliers(recording.t, recording.points)
+    return separate(
+        np.delete(recording.t, outliers), np.delete(recording.points, outliers, axis=0)
+    )
+
+
+def _periodic(part: Separation, frame: CanonicalFrame) -> PeriodicPart | None:
+    if part.period is None:
+        return None
+    hand = frame.to_canonical(part.discrete + part.periodic)
+    return PeriodicPart(
+        times=part.t - part.t[0],
+        offsets=hand - frame.to_canonical(part.discrete),
+        phase=part.phase,
+        envelope=part.envelope,
+        period=part.period,
+    )
 
 
 def resample_by_arc_length(

@@ -1,0 +1,1 @@
+"""Circles and scrubbing on top of a stroke: the cycle, its room, their sum."""
