@@ -10,7 +10,8 @@ trend's ends do not swing with the waves, as they would behind a filter.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.linalg import cholesky_banded
+from scipy.linalg.lapack import dpbtrs
 
 from bath_drake.notation import FloatArray
 
@@ -30,8 +31,9 @@ class Trend:
 
     def smooth(self, samples: FloatArray) -> FloatArray:
         """S x of samples, shape (m,) or (m, k)."""
-        smoothed: FloatArray = cho_solve_banded((self.factor, False), samples)
-        return smoothed
+        # LAPACK itself: what wraps it costs more than a short stroke's solution.
+        smoothed, _ = dpbtrs(self.factor, samples)
+        return np.asarray(smoothed).reshape(samples.shape)
 
     def rough(self, samples: FloatArray) -> FloatArray:
         """(I - S) x: what the trend leaves of samples, shape (m,) or (m, k)."""
