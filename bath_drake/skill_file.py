@@ -4,7 +4,8 @@ A skill file has the keys schema_version, finished, field, start, branches, seed
 config, demonstration_hashes, canonical, scale, frechet, certificate and checksum.
 `field` is a mapping where one field is all there is, else a list of them (see
 `bath_drake.field_file`). `start` is that of the first of `branches` (see
-`bath_drake.branch_file`). Floats come back to the last bit. The certificate names what
+`bath_drake.branch_file`). With a periodic motion there is the key periodic too (see
+`bath_drake.rhythm_file`). Floats come back to the last bit. The certificate names what
 it is about by a checksum of the `field` block: one of another field is refused.
 
 Files of version 2 are of a single field, have its mean demonstration beside `start`
@@ -40,6 +41,8 @@ from bath_drake.field.navigation import NavigationField
 from bath_drake.field_file import chains_to_mapping, field_to_mapping, take_chains
 from bath_drake.learning.learner import LearningResult
 from bath_drake.learning.skill import Skill
+from bath_drake.rhythm.limit_cycle import LimitCycle
+from bath_drake.rhythm_file import PERIODIC, cycle_to_mapping, take_cycle
 from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically
 
 SCHEMA_VERSION = 3
@@ -92,6 +95,7 @@ def load_skill(path: str | Path, *, renew: bool = False) -> Skill:
     else:
         finished = block.take("finished", bool)
         branches = _take_branches(block, chains, start)
+    periodic = take_cycle(block.take_block(PERIODIC)) if block.has(PERIODIC) else None
     if renew:
         block.take(CERTIFICATE, dict)
     else:
@@ -108,6 +112,7 @@ def load_skill(path: str | Path, *, renew: bool = False) -> Skill:
             frechet=frechet,
             certificate={} if renew else data[CERTIFICATE],
             finished=finished,
+            periodic=periodic,
         )
     except ValueError as problem:
         block.fail("", str(problem))
@@ -176,6 +181,7 @@ def skill_from_result(
     result: LearningResult,
     demonstrations: Sequence[CanonicalDemonstration],
     frame: CanonicalFrame,
+    periodic: LimitCycle | None = None,
 ) -> Skill:
     """What is kept of learning: the same result gives the same skill, bit by bit."""
     skill = Skill(
@@ -187,6 +193,7 @@ def skill_from_result(
         scale=result.scale,
         frechet=dict(result.frechet),
         finished=result.finished,
+        periodic=periodic,
     )
     return certified(skill, *result.certificates)
 
@@ -194,7 +201,7 @@ def skill_from_result(
 def skill_to_mapping(skill: Skill) -> dict[str, Any]:
     """A skill as the tree of plain values its file holds, without the checksum."""
     frame = skill.canonical
-    return {
+    mapping = {
         "schema_version": SCHEMA_VERSION,
         "finished": bool(skill.finished),
         FIELD: _field_block(skill.chains),
@@ -213,6 +220,9 @@ def skill_to_mapping(skill: Skill) -> dict[str, Any]:
         "frechet": _plain(skill.frechet),
         CERTIFICATE: _plain(skill.certificate),
     }
+    if skill.periodic is not None:
+        mapping[PERIODIC] = cycle_to_mapping(skill.periodic)
+    return mapping
 
 
 def _take_old_branch(

@@ -35,7 +35,7 @@ ORDER = (
     ("learning", "safety", "patient"),
     ("carer",),
     ("control",),
-    ("branch_file",),
+    ("branch_file", "rhythm_file"),
     ("skill_file",),
     ("systems",),
     ("scene",),

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from bath_drake.learning.generalisation import Generalisation
     from bath_drake.learning.held_out import HeldOut
     from bath_drake.learning.learner import LearningResult
+    from bath_drake.learning.periodic import PeriodicFit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -78,6 +79,7 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.learning.generalisation import evaluate_generalisation
     from bath_drake.learning.held_out import leave_one_out
     from bath_drake.learning.learner import learn_skill
+    from bath_drake.learning.periodic import learn_cycle
     from bath_drake.learning_figures.write import write_learning_figures
     from bath_drake.skill_file import save_skill, skill_from_result
 
@@ -128,7 +130,9 @@ def run(options: argparse.Namespace) -> int:
         with stopping(stop):
             result = learn_skill(strokes, config, progress, checkpoint)
         bar.close()
-        save_skill(options.output, skill_from_result(result, demonstrations, frame))
+        periodic = learn_cycle(demonstrations)
+        skill = skill_from_result(result, demonstrations, frame, periodic.cycle)
+        save_skill(options.output, skill)
         held_out = None
         if options.held_out and result.finished:
             with (
@@ -153,7 +157,8 @@ def run(options: argparse.Namespace) -> int:
         finished = result.finished and (held_out is None or held_out.finished)
         if finished:
             checkpoint.remove()
-    lines = [*_table(result, demonstrations), *_ring_table(generalised)]
+    lines = [*_table(result, demonstrations), *_periodic_table(periodic)]
+    lines += _ring_table(generalised)
     if held_out is not None:
         lines += _held_out_table(held_out)
     print("\n".join(lines))
@@ -300,6 +305,20 @@ def _table(
         lines.append(
             f"  {demonstration.name}: {said}, goal moved by ({-x:+.4f}, {-y:+.4f})"
         )
+    return lines
+
+
+def _periodic_table(found: "PeriodicFit") -> list[str]:
+    lines = []
+    if found.cycle is not None:
+        cycle = found.cycle
+        lines.append(
+            f"periodic         {cycle.period:.2f} s a cycle, {cycle.radius:.3f} from "
+            f"the stroke, a cycle every {cycle.pitch:.3f} of it (both of N); the "
+            f"demonstrations differ by {found.spread:.2f} of its size"
+        )
+    for outlier in found.left_out:
+        lines.append(f"  {outlier.name}: not for the cycle, {outlier.reason}")
     return lines
 
 

@@ -104,10 +104,10 @@ def make_take(take: Take, rng: np.random.Generator) -> tuple[FloatArray, FloatAr
     first, last = rng.uniform(-END_SCATTER, END_SCATTER, (2, 2))
     xy = xy + np.outer(1.0 - phase, first) + np.outer(phase, last)
     points = np.concatenate([xy, back_height(xy)[:, None]], axis=-1)
-    return t, points + _tremor(t, take.tremor, rng)
+    return t, points + tremor(t, take.tremor, rng)
 
 
-def _tremor(t: FloatArray, size: float, rng: np.random.Generator) -> FloatArray:
+def tremor(t: FloatArray, size: float, rng: np.random.Generator) -> FloatArray:
     """Hand tremor, shape (n, 3), m, with root mean square `size` in each direction."""
     tones = (TREMOR_TONES, 3)
     frequency = rng.uniform(*TREMOR_HZ, tones)
@@ -124,22 +124,31 @@ def write_demonstrations(folder: str | Path, seed: int = SEED) -> list[Path]:
         BathDrakeError: When the folder cannot be written to.
     """
     folder = Path(folder)
+    metadata = synthetic_metadata("synthetic", seed)
     written = []
     for number, take in enumerate(TAKES, start=1):
         t, points = make_take(take, np.random.default_rng([seed, number]))
-        rows = np.column_stack([t, points])
-        # Micrometres are finer than any tracker, and hide the last bits of the
-        # mathematics library: the files are the same on every machine. Adding
-        # zero turns -0.0 into 0.0.
-        lines = [",".join(f"{v:.6f}" for v in np.round(row, 6) + 0.0) for row in rows]
         path = folder / f"back_sinusoid_{number}.csv"
-        write_atomically(path, "\n".join(["t_s,x_m,y_m,z_m", *lines, ""]))
-        write_atomically(path.with_suffix(".yaml"), dump_yaml(_metadata(seed)))
+        write_take(path, t, points, metadata)
         written.append(path)
     return written
 
 
-def _metadata(seed: int) -> dict[str, object]:
+def write_take(
+    path: Path, t: FloatArray, points: FloatArray, metadata: dict[str, object]
+) -> None:
+    """Writes a recording, times (n,) and points (n, 3), and the .yaml beside it."""
+    rows = np.column_stack([t, points])
+    # Micrometres are finer than any tracker, and hide the last bits of the
+    # mathematics library: the files are the same on every machine. Adding
+    # zero turns -0.0 into 0.0.
+    lines = [",".join(f"{v:.6f}" for v in np.round(row, 6) + 0.0) for row in rows]
+    write_atomically(path, "\n".join(["t_s,x_m,y_m,z_m", *lines, ""]))
+    write_atomically(path.with_suffix(".yaml"), dump_yaml(metadata))
+
+
+def synthetic_metadata(module: str, seed: int) -> dict[str, object]:
+    """What the .yaml beside a recording made by a module of this room says."""
     box = back_box()
     return {
         "frame": "back",
@@ -151,7 +160,7 @@ def _metadata(seed: int) -> dict[str, object]:
         "who": "nobody: synthetic",
         "licence": "CC0-1.0",
         "synthetic": True,
-        "generator": "python -m bath_drake.demonstrations.synthetic",
+        "generator": f"python -m bath_drake.demonstrations.{module}",
         "seed": seed,
     }
 

@@ -12,6 +12,7 @@ from bath_drake.composition.chain import Chain
 from bath_drake.demonstrations.canonical import CanonicalFrame
 from bath_drake.field.navigation import NavigationField
 from bath_drake.notation import FloatArray
+from bath_drake.rhythm.limit_cycle import LimitCycle
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class Skill:
             `bath_drake.certificate_file`).
         finished: Whether the learner came to its end; False for the best it had when
             it was interrupted.
+        periodic: Circles or scrubbing on top of the motion; None without.
 
     Raises:
         ValueError: There is no branch, or the scale is not positive.
@@ -46,6 +48,7 @@ class Skill:
     frechet: dict[str, float] = dataclasses.field(default_factory=dict)
     certificate: dict[str, Any] = dataclasses.field(default_factory=dict)
     finished: bool = True
+    periodic: LimitCycle | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "branches", tuple(self.branches))
