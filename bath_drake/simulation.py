@@ -9,7 +9,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator, SimulatorStatus
 from pydrake.systems.framework import Context, Diagram
 
-from bath_drake.diagrams import LOGGED_PORTS, log_name
+from bath_drake.diagrams import log_name, logged_ports
 from bath_drake.field.parameters import pack_field
 from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
@@ -70,6 +70,10 @@ def run(
     return _collect(diagram, context, scenario, wall_time, keyframes, worlds, outcome)
 
 
+def _names(diagram: Diagram) -> set[str]:
+    return {system.get_name() for system in diagram.GetSystems()}
+
+
 def _output(diagram: Diagram, context: Context, system: str, port: str) -> Any:
     subsystem = diagram.GetSubsystemByName(system)
     return subsystem.GetOutputPort(port).Eval(subsystem.GetMyContextFromRoot(context))
@@ -128,7 +132,7 @@ def _collect(
     outcome: str,
 ) -> SimulationLog:
     series: dict[str, FloatArray] = {}
-    for system, port in LOGGED_PORTS:
+    for system, port in logged_ports(_names(diagram)):
         sink: Any = diagram.GetSubsystemByName(log_name(system, port))
         log = sink.FindLog(context)
         series[port] = log.data().T.copy()
@@ -144,6 +148,9 @@ def _collect(
         time=series["time"],
         canonical_position=series["canonical_position"],
         canonical_reference=series["canonical_reference"],
+        canonical_offset=series.get(
+            "canonical_offset", np.zeros_like(series["canonical_reference"])
+        ),
         stage=series["stage"][:, 0],
         phase=series["phase"][:, 0],
         standoff=series["standoff"][:, 0],

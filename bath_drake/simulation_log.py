@@ -22,7 +22,8 @@ class SimulationLog:
     Attributes:
         time: (T,) s.
         canonical_position: (T, 2) of the washed point, as the loop saw it, in N.
-        canonical_reference: (T, 2) what it aimed at, in N.
+        canonical_reference: (T, 2) what the discrete motion aimed at, in N.
+        canonical_offset: (T, 2) the periodic motion on it; zero without one.
         stage: (T,) which field of the skill's chain was followed, from 0.
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
@@ -59,6 +60,7 @@ class SimulationLog:
     time: FloatArray
     canonical_position: FloatArray
     canonical_reference: FloatArray
+    canonical_offset: FloatArray
     stage: FloatArray
     phase: FloatArray
     standoff: FloatArray
@@ -107,6 +109,10 @@ class SimulationLog:
                 arrays = {name: archive[name] for name in names if name in archive}
         except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise RunFolderError(f"{path}: not a readable log ({error})") from error
+        if "canonical_reference" in arrays:
+            # Logs from before there was periodic motion have no such series.
+            none = np.zeros_like(arrays["canonical_reference"])
+            arrays.setdefault("canonical_offset", none)
         missing = [name for name in names if name not in arrays]
         if missing:
             raise RunFolderError(f"{path}: lacks {', '.join(missing)}")

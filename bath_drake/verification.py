@@ -94,6 +94,8 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     time, hits = log.time[washing], hits[met]
     cosine = np.clip(-(jet * normals).sum(axis=1), -1.0, 1.0)
     executed = skin.canonical_map.canonical_from_world(hits)
+    offsets = log.canonical_offset[washing][met]
+    reference = log.canonical_reference[washing][met]
     outlines = [
         skin.canonical_map.plane_from_world(outline)[:, :2]
         for outline in wound_outlines(scenario, person)
@@ -106,7 +108,8 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     speed = _speed(time[met], hits)
     world = certify_world(driven_world(log), log.certified_start[-1])
     metrics: dict[str, Any] = {
-        "frechet": _frechet(skill, executed, path),
+        "frechet": _frechet(skill, executed - offsets, path),
+        "periodic": _periodic(skill, executed - reference, offsets),
         "stages": _stages(log, skill),
         "certificate": _certificate(log, world),
         "reached_goal": log.outcome == LoopOutcome.GOAL_REACHED.name,
@@ -172,6 +175,31 @@ def _nozzle_in_mesh(
         )
         tips[row], jets[row] = X_ME.translation(), X_ME.rotation().col(2)
     return tips, jets
+
+
+def _periodic(
+    skill: Skill, around: FloatArray, offsets: FloatArray
+) -> dict[str, float] | None:
+    """How much of the cycles that were asked for was washed; None without any.
+
+    Args:
+        skill: Has the cycle that was learned.
+        around: Washed points (n, 2) from the discrete motion's, in N.
+        offsets: What was asked for, (n, 2), in N.
+    """
+    if skill.periodic is None or not offsets.any():
+        return None
+    around = around - around.mean(axis=0)
+    axis = np.linalg.svd(offsets, full_matrices=False)[2][0]
+    swings = np.sign(offsets @ axis)
+    crossings = np.count_nonzero(np.diff(swings[swings != 0.0]))
+    return {
+        "cycles": float(crossings / 2.0),
+        "gain": float(np.sum(around * offsets) / np.sum(offsets**2)),
+        "asked_share": float(
+            np.quantile(np.linalg.norm(offsets, axis=1), 0.95) / skill.periodic.radius
+        ),
+    }
 
 
 def _frechet(

@@ -7,8 +7,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import EventStatus
 from write_wiring import BUILDERS, RECORDS, made_up_skill, shipped_diagram, wiring_text
 
+from bath_drake.canonical_diagram import build_canonical_loop
 from bath_drake.composition.rollout import chain_rollout
-from bath_drake.diagrams import LOGGED_PORTS, build_canonical_loop, log_name
+from bath_drake.diagrams import LOGGED_PORTS, log_name
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.field.rollout import RolloutStatus
 from bath_drake.learning.frechet import discrete_frechet

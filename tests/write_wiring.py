@@ -2,27 +2,34 @@
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 
 from made_up_run import make_skill
 from pydrake.systems.framework import Diagram
 
 from bath_drake.block_diagram import wiring_lines
+from bath_drake.canonical_diagram import build_canonical_loop
 from bath_drake.diagrams import (
-    build_canonical_loop,
     build_perception,
     build_reproduction,
 )
 from bath_drake.recording_diagram import build_recording
 from bath_drake.resources import diagrams_folder
-from bath_drake.scenario import Scenario, load_scenario
+from bath_drake.scenario import Scenario, find_skill, load_scenario
+from bath_drake.skill_file import load_skill
 
 RECORDS = diagrams_folder() / "wiring"
 
 
 @functools.cache
 def made_up_skill():
-    # The wiring does not depend on the skill.
+    # Of a skill the wiring depends on one thing: whether it has a periodic motion.
     return make_skill(Scenario())
+
+
+def _skill_like(scenario: Scenario):
+    cycle = load_skill(find_skill(scenario.skill)).periodic
+    return replace(made_up_skill(), periodic=cycle)
 
 
 def _filmed(scenario: Scenario) -> Diagram:
@@ -37,7 +44,7 @@ def _builders() -> dict[str, Callable[[], Diagram]]:
             builders[path.stem] = functools.partial(_filmed, scenario)
             continue
         builders[path.stem] = functools.partial(
-            build_reproduction, scenario, made_up_skill()
+            build_reproduction, scenario, _skill_like(scenario)
         )
         builders[f"{path.stem}_perception"] = functools.partial(
             build_perception, scenario

@@ -19,6 +19,9 @@ from bath_drake.notation import FloatArray
 from bath_drake.rhythm.clearance import clearance
 from bath_drake.rhythm.limit_cycle import LimitCycle, decayed
 
+# The cycles are gone this far before the goal, in N: the motion ends as the discrete
+# one does, and nothing that swings is taken for an arrival.
+SETTLED = 0.03
 # The displacement of a step is nearly proportional to its time.
 _ROUNDS = 3
 
@@ -152,8 +155,8 @@ def _wanted(cycle: LimitCycle, rhythm: Rhythm, to_goal: float, pace: Pace) -> fl
     """The share of the cycle where there is room: 0 before and after the cycles."""
     if rhythm.travelled < cycle.begin:
         return 0.0
-    # It fades within a period, and is gone at the goal.
-    left = min(pace.length - rhythm.travelled - cycle.end, to_goal)
+    # It fades within a period.
+    left = min(pace.length - rhythm.travelled - cycle.end, to_goal - SETTLED)
     return float(np.clip(left / cycle.pitch, 0.0, 1.0))
 
 

@@ -1,0 +1,153 @@
+"""Wires what drives the motion: field, world, reference, surface, arm."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import DiagramBuilder
+
+from bath_drake.composition.rollout import chain_rollout
+from bath_drake.learning.skill import Skill
+from bath_drake.scenario import Scenario, approach_limits, loop_bounds
+from bath_drake.scene import home_position, make_control_plant
+from bath_drake.systems.approach_sequencer import ApproachSequencer
+from bath_drake.systems.canonical_reference import CanonicalReference
+from bath_drake.systems.canonical_tracker import CanonicalTracker
+from bath_drake.systems.certificate_monitor import CertificateMonitor
+from bath_drake.systems.differential_ik import DifferentialIk
+from bath_drake.systems.hold_supervisor import HoldSupervisor
+from bath_drake.systems.loop_monitor import LoopMonitor
+from bath_drake.systems.navigation_controller import NavigationController
+from bath_drake.systems.nozzle_kinematics import NozzleKinematics
+from bath_drake.systems.periodic_motion import PeriodicMotion
+from bath_drake.systems.stage_sequencer import StageSequencer
+from bath_drake.systems.surface_reference import SurfaceReference
+from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
+from bath_drake.systems.world_reconciler import WorldReconciler
+from bath_drake.wiring import add_all, connect
+
+
+def add_control(
+    builder: DiagramBuilder, scenario: Scenario, skill: Skill
+) -> dict[str, Any]:
+    """Adds the systems of the control and joins them; returns them by name.
+
+    A skill with a periodic motion has a `periodic_motion` between the reference and
+    all that follows it; one without has none.
+    """
+    control = scenario.control
+    camera_period = 1.0 / scenario.perception.camera_rate
+    arm = make_control_plant(scenario.scene.arm)
+    systems = add_all(
+        builder,
+        {
+            "virtual_obstacle_source": VirtualObstacleSource(chain=skill.chain),
+            "stage_sequencer": StageSequencer(),
+            "world_reconciler": WorldReconciler(period=camera_period),
+            "certificate_monitor": CertificateMonitor(period=camera_period),
+            "navigation_controller": NavigationController(
+                washing_speed=control.washing_speed, slow_radius=control.slow_radius
+            ),
+            "canonical_reference": CanonicalReference(
+                start=skill.start, leash=control.leash
+            ),
+            "approach_sequencer": ApproachSequencer(limits=approach_limits(scenario)),
+            "surface_reference": SurfaceReference(
+                radius=scenario.perception.patch_radius
+            ),
+            "differential_ik": DifferentialIk(
+                plant=arm,
+                home=home_position(scenario.scene.arm),
+                posture=np.array(scenario.scene.arm.posture),
+            ),
+            "nozzle_kinematics": NozzleKinematics(plant=arm),
+            "canonical_tracker": CanonicalTracker(),
+            "hold_supervisor": HoldSupervisor(max_frame_age=control.max_frame_age),
+            "loop_monitor": LoopMonitor(bounds=loop_bounds(scenario)),
+        },
+    )
+    if skill.periodic is not None:
+        path = chain_rollout(skill.start, skill.chain).path
+        systems["periodic_motion"] = builder.AddNamedSystem(
+            "periodic_motion",
+            PeriodicMotion(
+                cycle=skill.periodic,
+                length=float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()),
+                washing_speed=control.washing_speed,
+            ),
+        )
+    stages = systems["stage_sequencer"]
+    world = systems["world_reconciler"]
+    proof = systems["certificate_monitor"]
+    controller = systems["navigation_controller"]
+    reference = systems["canonical_reference"]
+    approach = systems["approach_sequencer"]
+    surface = systems["surface_reference"]
+    ik = systems["differential_ik"]
+    tracker = systems["canonical_tracker"]
+    supervisor = systems["hold_supervisor"]
+    monitor = systems["loop_monitor"]
+    for source, port, sinks in (
+        (systems["virtual_obstacle_source"], "navigation_chain", [stages]),
+        (stages, "navigation_field", [world, monitor]),
+        (stages, "remaining_chain", [world]),
+        (stages, "final_stage", [controller]),
+        (world, "reconciled_worlds", [proof]),
+        (proof, "world_status", [supervisor]),
+        (reference, "canonical_reference", [stages, world, proof]),
+        (approach, "phase", [reference, monitor]),
+        (approach, "standoff", [surface, tracker]),
+        (surface, "desired_nozzle_pose", [ik, approach]),
+        (surface, "surface_patch", [monitor]),
+        (surface, "surface_status", [supervisor]),
+        (ik, "ik_status", [supervisor]),
+        (systems["nozzle_kinematics"], "nozzle_pose", [tracker, approach, monitor]),
+        (supervisor, "hold", [ik, reference, approach]),
+    ):
+        connect(builder, source, port, sinks)
+    for port, name, sinks in (
+        ("reconciled_field", "navigation_field", [controller, proof]),
+        ("reconciled_obstacles", "sensed_obstacles", [controller, proof]),
+        ("world_status", "reconciler_status", [proof]),
+        ("restricted_areas", "sensed_obstacles", [stages]),
+    ):
+        for sink in sinks:
+            builder.Connect(world.GetOutputPort(port), sink.GetInputPort(name))
+    # The flow is asked where the reference is; see bath_drake.control.reference.
+    builder.Connect(
+        reference.GetOutputPort("canonical_reference"),
+        controller.GetInputPort("canonical_position"),
+    )
+    _join_reference(builder, systems)
+    return systems
+
+
+def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
+    """What the reference gets, and what is made of it."""
+    controller = systems["navigation_controller"]
+    reference = systems["canonical_reference"]
+    surface, monitor = systems["surface_reference"], systems["loop_monitor"]
+    tracker = systems["canonical_tracker"]
+    stages = systems["stage_sequencer"]
+    if "periodic_motion" not in systems:
+        connect(builder, stages, "final_stage", [monitor])
+        connect(builder, controller, "canonical_velocity", [reference])
+        connect(builder, tracker, "canonical_position", [reference, monitor])
+        connect(builder, reference, "canonical_reference", [surface])
+        return
+    # The discrete motion is followed as if there were no cycles on it.
+    motion, world = systems["periodic_motion"], systems["world_reconciler"]
+    connect(builder, controller, "canonical_velocity", [motion])
+    connect(builder, reference, "canonical_reference", [motion])
+    connect(builder, tracker, "canonical_position", [motion, monitor])
+    connect(builder, stages, "navigation_field", [motion])
+    connect(builder, stages, "final_stage", [motion])
+    connect(builder, systems["approach_sequencer"], "phase", [motion])
+    connect(builder, systems["hold_supervisor"], "hold", [motion])
+    for source, port, sink, name in (
+        (world, "restricted_areas", motion, "sensed_obstacles"),
+        (motion, "canonical_target", surface, "canonical_reference"),
+        (motion, "discrete_velocity", reference, "canonical_velocity"),
+        (motion, "discrete_position", reference, "canonical_position"),
+        (motion, "faded", monitor, "final_stage"),
+    ):
+        builder.Connect(source.GetOutputPort(port), sink.GetInputPort(name))
