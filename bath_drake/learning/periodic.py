@@ -99,7 +99,7 @@ def _around_medoid(series: list[FloatArray]) -> tuple[FloatArray, list[FloatArra
     sums, turned = [], []
     for reference in series:
         onto = [_turned_onto(own, reference) for own in series]
-        sums.append(sum(_apart(a, reference) for a in onto))
+        sums.append(sum(float(np.linalg.norm(a - reference)) for a in onto))
         turned.append(onto)
     best = int(np.argmin(sums))
     return series[best], turned[best]

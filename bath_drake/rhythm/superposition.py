@@ -23,7 +23,7 @@ from bath_drake.rhythm.limit_cycle import LimitCycle, decayed
 # one does, and nothing that swings is taken for an arrival.
 SETTLED = 0.03
 # The displacement of a step is nearly proportional to its time.
-_ROUNDS = 3
+_ROUNDS = 6
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,7 +101,7 @@ def test_the_sum_is_never_faster_than_allowed():
     areas = ObstacleSet(np.array([[0.0, 0.2, 0.1, 0.15, 0.3]]))
     _, sums, _ = walk(circles(), Room(areas, WIDE), START, GOAL)
     speed = np.linalg.norm(np.diff(sums, axis=0) * HALF, axis=1) / DT
-    # The time of a step is found in four rounds: within a hundredth.
+    # The time of a step is found in a few rounds: within a hundredth.
     assert speed.max() <= 1.01 * 0.07
     # Where nothing fades or shrinks it is no slower either.
     assert np.quantile(speed, 0.5) >= 0.98 * 0.07
