@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +78,8 @@ class RecordingMetadata:
         synthetic: Whether a program made it.
         generator: The program and its version or command, if synthetic.
         seed: The program's seed, if synthetic.
+        gaps: (start, end) of times without samples that are no part of the motion,
+            s, in the recording's own time: the marker was hidden, for instance.
     """
 
     frame: str = ""
@@ -87,6 +90,7 @@ class RecordingMetadata:
     synthetic: bool = False
     generator: str = ""
     seed: int | None = None
+    gaps: tuple[tuple[float, float], ...] = ()
 
 
 def read_metadata(path: str | Path) -> RecordingMetadata:
@@ -102,8 +106,35 @@ def read_metadata(path: str | Path) -> RecordingMetadata:
     box = _body_box(block.take_block("body_box")) if block.has("body_box") else None
     synthetic = block.take("synthetic", bool) if block.has("synthetic") else False
     seed = block.take("seed", int) if block.has("seed") else None
+    rows = block.take_rows("gaps", None, 2) if block.has("gaps") else []
+    gaps = tuple((start, end) for start, end in rows)
+    if any(not start < end for start, end in gaps):
+        block.fail("gaps", "found a gap that does not end after its start")
     block.finish()
-    return RecordingMetadata(body_box=box, synthetic=synthetic, seed=seed, **texts)
+    return RecordingMetadata(
+        body_box=box, synthetic=synthetic, seed=seed, gaps=gaps, **texts
+    )
+
+
+def metadata_block(metadata: RecordingMetadata) -> dict[str, Any]:
+    """Returns what NAME.yaml holds, for `dump_yaml`; what is not known stays out."""
+    block: dict[str, Any] = {
+        key: getattr(metadata, key)
+        for key in ("frame", "who", "licence", "source", "generator")
+        if getattr(metadata, key)
+    }
+    box = metadata.body_box
+    if box is not None:
+        block["body_box"] = {
+            key: getattr(box, key).tolist() for key in ("centre", "axes", "extents")
+        }
+    if metadata.synthetic:
+        block["synthetic"] = True
+    if metadata.seed is not None:
+        block["seed"] = metadata.seed
+    if metadata.gaps:
+        block["gaps"] = [list(gap) for gap in metadata.gaps]
+    return block
 
 
 def _body_box(block: Block) -> BodyBox:

@@ -163,7 +163,7 @@ def fit_canonical_map(
     p_P = (points_W - mean) @ R_WP
     if weights is None:
         weights = np.ones(len(p_P))
-    low, high = np.array([_trimmed_range(p_P[:, k], weights, trim) for k in (0, 1)]).T
+    low, high = np.array([trimmed_range(p_P[:, k], weights, trim) for k in (0, 1)]).T
     centre = np.append((low + high) / 2.0, 0.0)
     return CanonicalMap(R_WP, mean + R_WP @ centre, (high - low) / 2.0)
 
@@ -284,7 +284,7 @@ def _up_axis(
     return np.asarray(np.cos(angle) * up - np.sin(angle) * right)
 
 
-def _trimmed_range(
+def trimmed_range(
     values: FloatArray, weights: FloatArray, trim: float
 ) -> tuple[float, float]:
     """Returns the weighted quantiles of `trim` and one minus it."""

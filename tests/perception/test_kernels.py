@@ -10,8 +10,8 @@ from bath_drake.perception import morphology
 from bath_drake.perception.canonical import (
     LEVEL,
     CanonicalMap,
-    _trimmed_range,
     edges_by_level,
+    trimmed_range,
 )
 from bath_drake.perception.pixels import column_steps, pixel_normals
 from bath_drake.perception.restricted import LEAST_BRIGHTNESS, relative_brightness
@@ -42,18 +42,18 @@ def test_small_discs_grow_and_shrink_masks_as_distances_do(rng, radius, density)
 
 @pytest.mark.parametrize("trim", [0.001, 0.01, 0.2])
 @pytest.mark.parametrize("count", [2, 50, 5000])
-def test_trimmed_ranges_are_the_weighted_quantiles(rng, count, trim):
+def testtrimmed_ranges_are_the_weighted_quantiles(rng, count, trim):
     values, weights = rng.standard_normal(count), rng.random(count)
     values[0] = 40.0  # far out: most bins of a histogram are empty
     order = np.argsort(values)
     share = weights[order] / weights.sum()
     centred = np.cumsum(share) - 0.5 * share
     expected = np.interp((trim, 1.0 - trim), centred, values[order])
-    assert np.abs(_trimmed_range(values, weights, trim) - expected).max() < ROUNDING
+    assert np.abs(trimmed_range(values, weights, trim) - expected).max() < ROUNDING
 
 
-def test_a_trimmed_range_of_one_value_is_that_value():
-    assert _trimmed_range(np.full(9, 0.3), np.ones(9), 0.01) == (0.3, 0.3)
+def test_atrimmed_range_of_one_value_is_that_value():
+    assert trimmed_range(np.full(9, 0.3), np.ones(9), 0.01) == (0.3, 0.3)
 
 
 def test_edges_are_the_least_and_greatest_of_each_level(rng):

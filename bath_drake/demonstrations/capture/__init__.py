@@ -1,0 +1,1 @@
+"""A washing demonstration out of an RGB-D recording of a marker on a back."""

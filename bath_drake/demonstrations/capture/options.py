@@ -1,0 +1,23 @@
+"""What the user says about a recording."""
+
+from dataclasses import dataclass
+
+from bath_drake.demonstrations.capture.stroke import MAX_GAP
+
+
+@dataclass(frozen=True, kw_only=True)
+class CaptureOptions:
+    """What the user says about a recording; of the marker at most one thing.
+
+    Attributes:
+        marker_colour: RGB, 0 to 255.
+        marker_box: First and last column and row (x0, y0, x1, y1) of a box around it
+            in the first frame.
+        marker_at: Column and row of one of its pixels in the first frame.
+        max_gap: Longer gaps stay open, s.
+    """
+
+    marker_colour: tuple[int, int, int] | None = None
+    marker_box: tuple[int, int, int, int] | None = None
+    marker_at: tuple[int, int] | None = None
+    max_gap: float = MAX_GAP

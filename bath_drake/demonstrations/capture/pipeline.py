@@ -1,0 +1,163 @@
+"""From an RGB-D recording to a stroke on the back (paper, Section III-A)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bath_drake.demonstrations.capture.body import (
+    MIN_SHARE,
+    Body,
+    Images,
+    build_body,
+)
+from bath_drake.demonstrations.capture.contact import Skin
+from bath_drake.demonstrations.capture.marker import find_blobs, locate
+from bath_drake.demonstrations.capture.marker_colour import MarkerColour
+from bath_drake.demonstrations.capture.marker_search import (
+    marker_colour,
+    marker_radius,
+)
+from bath_drake.demonstrations.capture.options import CaptureOptions
+from bath_drake.demonstrations.capture.rigid_tracking import TrackedPose, track
+from bath_drake.demonstrations.capture.stroke import CapturedStroke, cut_stroke
+from bath_drake.demonstrations.rgbd.folder import RgbdFolder
+from bath_drake.errors import DemonstrationError
+from bath_drake.notation import FloatArray
+
+# The body is gathered from so many frames.
+BODY_FRAMES = 40
+# Fewer samples are no stroke.
+MIN_SAMPLES = 5
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Capture:
+    """What a recording holds.
+
+    Attributes:
+        stroke: The stroke, in the back's own frame P.
+        body: The body it is on.
+        marker: The marker's colour.
+        radius: The marker's radius, m.
+        poses: Of the body in every frame; None where it was lost.
+        markers_C: (n, 3) the marker in every frame, in the camera's frame, m; NaN
+            where it was not seen.
+    """
+
+    stroke: CapturedStroke
+    body: Body
+    marker: MarkerColour
+    radius: float
+    poses: tuple[TrackedPose | None, ...]
+    markers_C: FloatArray
+
+
+def capture(
+    recording: RgbdFolder,
+    options: CaptureOptions,
+    progress: Progress = lambda done, total: None,
+) -> Capture:
+    """Captures the stroke of a recording.
+
+    Two passes: frames spread over the recording show the body without the carer;
+    then body and marker are followed through all frames.
+
+    Args:
+        recording: The recording.
+        options: What the user says about it.
+        progress: Told how many images of how many are done.
+
+    Raises:
+        DemonstrationError: If an image is damaged, or marker or back are not found.
+    """
+    count, name, camera = len(recording), str(recording.path), recording.camera
+    if count < MIN_SAMPLES:
+        raise DemonstrationError(
+            f"{name}: found {count} frame{'s' if count > 1 else ''}, at least "
+            f"{MIN_SAMPLES} are needed"
+        )
+    picks = np.unique(np.linspace(0, count - 1, BODY_FRAMES).astype(np.int64)).tolist()
+    total = len(picks) + count
+    frames: dict[int, Images] = {}
+    for done, k in enumerate(picks, start=1):
+        frame = recording.frame(k)
+        frames[k] = frame.colour, frame.depth
+        progress(done, total)
+    marker = marker_colour(recording, options, frames)
+    radius, places_C = marker_radius(frames, marker, camera, name)
+    X_WC = recording.X_WC
+    up_C = None if X_WC is None else np.array(X_WC[2, :3])
+    body = build_body(frames, camera, up_C, places_C, name)
+    found = _follow(
+        recording, body, marker, radius, lambda k: progress(len(picks) + k, total)
+    )
+    return _cut(recording, options, body, marker, radius, found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Track:
+    """Marker and body through all frames."""
+
+    poses: list[TrackedPose | None]
+    markers_C: FloatArray
+    contacts_P: FloatArray
+    heights: FloatArray
+    reasons: list[str]
+
+
+def _follow(
+    recording: RgbdFolder,
+    body: Body,
+    marker: MarkerColour,
+    radius: float,
+    progress: Callable[[int], None],
+) -> _Track:
+    camera, count, skin = recording.camera, len(recording), Skin(body.skin)
+    markers_C, contacts = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
+    found = _Track([], markers_C, contacts, np.full(count, np.nan), [])
+    last: FloatArray | None = None
+    guess = body.poses[min(body.poses)]
+    for k, frame in enumerate(recording):
+        guess = body.poses.get(k, guess)
+        pose = track(body.surface, frame.depth, camera, guess)
+        blobs = find_blobs(frame.colour, frame.depth, marker, camera)
+        sight = locate(blobs, frame.depth, camera, radius, last)
+        last = sight.p_C if sight.seen else None
+        markers_C[k] = sight.p_C
+        on_body = pose.share >= MIN_SHARE
+        found.poses.append(pose if on_body else None)
+        found.reasons.append(sight.reason if on_body else "body lost")
+        if on_body:
+            guess = pose
+        if on_body and sight.seen:
+            contact, found.heights[k] = skin.under(pose.from_camera(sight.p_C))
+            contacts[k] = body.canonical_map.plane_from_world(contact)
+        progress(k + 1)
+    return found
+
+
+def _cut(
+    recording: RgbdFolder,
+    options: CaptureOptions,
+    body: Body,
+    marker: MarkerColour,
+    radius: float,
+    found: _Track,
+) -> Capture:
+    times = np.array([files.t for files in recording.files])
+    stroke = cut_stroke(
+        times - times[0],
+        found.contacts_P,
+        found.heights,
+        found.reasons,
+        options.max_gap,
+    )
+    if stroke is None or len(stroke.t) < MIN_SAMPLES:
+        raise DemonstrationError(
+            f"{recording.path}: marker and body are seen together in fewer than "
+            f"{MIN_SAMPLES} frames"
+        )
+    return Capture(stroke, body, marker, radius, tuple(found.poses), found.markers_C)
