@@ -43,6 +43,8 @@ class Evaluation:
         normal_error_deg: (n,) nozzle axis against the true normal.
         speed: (n,) of the washed point along the skin, m/s.
         executed: (n, 2) washed points in true canonical space.
+        offsets: (n, 2) of them the periodic motion that was asked for; zero without.
+        around: (n, 2) washed points seen from the discrete motion's reference.
         washed_points_M: (n, 3) washed points on the true skin, in M, m.
         normals_M: (n, 3) true outward normals there.
         clearance_mm: (n,) washed point to the nearest wound along the back, less
@@ -59,6 +61,8 @@ class Evaluation:
     normal_error_deg: FloatArray
     speed: FloatArray
     executed: FloatArray
+    offsets: FloatArray
+    around: FloatArray
     washed_points_M: FloatArray
     normals_M: FloatArray
     clearance_mm: FloatArray | None
@@ -147,6 +151,8 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         normal_error_deg=normal_error,
         speed=speed,
         executed=executed,
+        offsets=offsets,
+        around=executed - reference,
         washed_points_M=hits,
         normals_M=normals[met],
         clearance_mm=clearance,

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SKILL.yaml",
         help="the skill; pictures go beside it as SKILL.png (what was learned, and "
         "the learning curve) and SKILL_NAME.png (fields, population or stages, "
-        "generalisation, held_out)",
+        "cycle, generalisation, held_out)",
     )
     parser.add_argument("--method", choices=["auto", "paper"], default="auto")
     parser.add_argument(
@@ -152,6 +152,7 @@ def run(options: argparse.Namespace) -> int:
             points,
             generalised,
             held_out,
+            rhythm=(periodic.cycle, demonstrations) if periodic.cycle else None,
             overview_only=options.pictures == "one",
         )
         finished = result.finished and (held_out is None or held_out.finished)

@@ -39,10 +39,10 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if the goal is reached, 1 if not.
 
     The times are those of a nozzle at `SPEED` over a body as large as the
-    demonstrations'. A composed skill's fields are followed in turn, as the branch that
-    was shown nearest to this start has them for these ends. The world with these ends
-    is certified anew, whole or else for this start; its verdict is printed, never the
-    skill's.
+    demonstrations'. A periodic motion is on the path. A composed skill's fields are
+    followed in turn, as the branch that was shown nearest to this start has them for
+    these ends. The world with these ends is certified anew, whole or else for this
+    start; its verdict is printed, never the skill's.
     """
     import numpy as np
 
@@ -50,7 +50,10 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.composition.rollout import chain_rollout, chain_times
     from bath_drake.errors import BathDrakeError
     from bath_drake.field.navigation import min_beta
+    from bath_drake.field.obstacles import ObstacleSet
     from bath_drake.field.rollout import RolloutStatus
+    from bath_drake.rhythm.superposition import Room
+    from bath_drake.rhythm.whole_motion import whole_motion
     from bath_drake.skill_file import load_skill
     from bath_drake.yaml_io import check_output, write_atomically
 
@@ -79,7 +82,19 @@ def run(options: argparse.Namespace) -> int:
             )
     found = chain_rollout(start, chain)
     times = chain_times(found, chain, speed=SPEED, half_extents=skill.canonical.scales)
-    path = skill.canonical.to_demonstration(found.path) if planar else found.path
+    path = found.path
+    if skill.periodic is not None and len(path) > 1:
+        box = 1.0 if skill.canonical.kind == "body_box" else np.inf
+        room = Room(ObstacleSet(), chain.fields[-1].workspace, box)
+        times, path = whole_motion(
+            skill.periodic,
+            path,
+            room,
+            speed=SPEED,
+            half_extents=skill.canonical.scales,
+        )
+    if planar:
+        path = skill.canonical.to_demonstration(path)
     certificate = certify_chain(chain, start=start)
     if options.output is not None:
         rows = np.column_stack([times, path]).tolist()
@@ -91,6 +106,11 @@ def run(options: argparse.Namespace) -> int:
     print(f"time     {times[-1]:.2f} s at {SPEED} m/s")
     if len(chain) > 1:
         print(f"fields   {found.stages[-1] + 1} of {len(chain)} followed")
+    if skill.periodic is not None:
+        print(
+            f"cycles   {skill.periodic.period:.2f} s each as shown, in the path; the "
+            "verdict is on the discrete motion"
+        )
     print(f"verdict  {certificate.verdict}: {certificate.reason}")
     return 0 if found.status is RolloutStatus.ARRIVED else 1
 

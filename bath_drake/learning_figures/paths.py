@@ -3,7 +3,15 @@
 from pathlib import Path
 from typing import Final
 
-NAMES: Final = ("", "fields", "population", "stages", "generalisation", "held_out")
+NAMES: Final = (
+    "",
+    "fields",
+    "cycle",
+    "population",
+    "stages",
+    "generalisation",
+    "held_out",
+)
 """Of all pictures; the first is the overview."""
 
 

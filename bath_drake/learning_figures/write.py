@@ -5,6 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.errors import BathDrakeError
 from bath_drake.learning.generalisation import Generalisation
 from bath_drake.learning.held_out import HeldOut
@@ -17,7 +18,9 @@ from bath_drake.learning_figures.population import population_figure
 from bath_drake.learning_figures.stages import stages_figure
 from bath_drake.notation import FloatArray
 from bath_drake.report import style
+from bath_drake.report.cycle_figure import draw_cycle
 from bath_drake.report.generalisation_figure import draw_generalisation
+from bath_drake.rhythm.limit_cycle import LimitCycle
 from bath_drake.yaml_io import write_atomically
 
 DPI = 120
@@ -30,6 +33,7 @@ def write_learning_figures(
     generalisation: Generalisation | None = None,
     held_out: HeldOut | None = None,
     *,
+    rhythm: tuple[LimitCycle, Sequence[CanonicalDemonstration]] | None = None,
     overview_only: bool = False,
 ) -> list[Path]:
     """Writes PNGs beside a skill file, and removes those of an earlier skill there.
@@ -40,6 +44,8 @@ def write_learning_figures(
         demonstrations: What it was learned from, (T, 2) each, in N.
         generalisation: Draws SKILL_generalisation.png.
         held_out: Draws SKILL_held_out.png.
+        rhythm: The cycle learned and the demonstrations it is of: draws
+            SKILL_cycle.png.
         overview_only: Write SKILL.png, and SKILL_held_out.png if there is one.
 
     Returns:
@@ -60,6 +66,8 @@ def write_learning_figures(
             figures["fields"] = fields_figure(result, demonstrations)
             figures["population"] = population_figure(result.trace, len(branches))
             figures["stages"] = stages_figure(result)
+            if rhythm is not None:
+                figures["cycle"] = draw_cycle(*rhythm)
         if generalisation is not None and not overview_only:
             figures["generalisation"] = draw_generalisation(generalisation, branches)
         if held_out is not None and held_out.names:

@@ -118,6 +118,7 @@ def draw_executed(
     wounds: Sequence[FloatArray],
     areas: ObstacleSet,
     frechet: str,
+    discrete: FloatArray | None = None,
 ) -> Figure:
     """Draws where the skin was washed, in the true canonical space.
 
@@ -129,6 +130,7 @@ def draw_executed(
         wounds: True outlines (m, 2) of restricted areas.
         areas: The areas as last sensed by the camera.
         frechet: What to say about the distance to the mean demonstration.
+        discrete: Washed points (n, 2) without the periodic motion, if there is one.
     """
     figure = style.new_figure(5.6, width=8.2)
     axes = figure.subplots()
@@ -143,7 +145,13 @@ def draw_executed(
         ls=(0, (4, 3)),
         label="learned plan",
     )
-    axes.plot(*executed.T, color=style.REPRODUCTION, lw=2.4, label="washed on the skin")
+    thick = 2.4 if discrete is None else 1.2
+    axes.plot(
+        *executed.T, color=style.REPRODUCTION, lw=thick, label="washed on the skin"
+    )
+    if discrete is not None:
+        label = "washed, less the cycles"
+        axes.plot(*discrete.T, color=style.INK, lw=1.6, label=label)
     for index, outline in enumerate(wounds):
         axes.add_patch(
             Polygon(

@@ -14,6 +14,7 @@ from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.certificate_figure import draw_certificate
 from bath_drake.report.chain import ChainFigures, draw_chain
+from bath_drake.report.cycle_figure import draw_cycle
 from bath_drake.report.generalisation_figure import draw_generalisation
 from bath_drake.report.generalisation_table import HEADER, generalisation_rows
 from bath_drake.report.run_data import RunData, load_run
@@ -175,6 +176,7 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
         "a grid of starts end; the dot is the start that the proof was made for.",
     )
     executed = number(run.metrics["frechet"].get("executed"))
+    periodic = bool(series.offsets.any())
     frame = run.main_keyframe
     add(
         "executed",
@@ -185,12 +187,24 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
             series.rollout,
             series.wound_polygons_N,
             run.keyframes[-1].areas if run.keyframes else ObstacleSet(),
-            f"Fréchet {executed}",
+            f"Fréchet {executed}" + (" without the cycles" if periodic else ""),
+            series.executed - series.offsets if periodic else None,
         ),
         "The executed path against the demonstrations",
         "Where the jet met the true skin, in the person's true canonical space: "
         "judged from outside the loop.",
     )
+    if run.skill.periodic is not None:
+        add(
+            "cycle",
+            draw_cycle(
+                run.skill.periodic, run.demonstrations, series.offsets, series.around
+            ),
+            "The periodic motion as demonstrated, learned, asked for and washed",
+            "The cycle that the skill adds to its discrete motion. Near restricted "
+            "areas and the body's edge it shrinks; what is washed includes the arm's "
+            "lag and the body's motion.",
+        )
     add(
         "clearance",
         time_figures.draw_clearance(run),
@@ -301,7 +315,8 @@ def _lag(run: RunData) -> float:
     log, frame = run.log, run.main_keyframe
     if frame is None:
         return float("nan")
-    apart = (log.canonical_reference - log.canonical_position)[log.phase == Phase.WASH]
+    target = log.canonical_reference + log.canonical_offset
+    apart = (target - log.canonical_position)[log.phase == Phase.WASH]
     apart = apart * frame.canonical_map.half_extents
     return 1e3 * float(np.linalg.norm(apart, axis=1).mean()) if len(apart) else 0.0
 

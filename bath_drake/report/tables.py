@@ -24,6 +24,13 @@ _SCOPE = (
     "robot holds."
 )
 
+# Figures of `metrics.periodic`.
+_CYCLES = {
+    "cycles": "how many",
+    "gain": "share washed of what was asked for",
+    "asked_share": "share asked for of what was learned",
+}
+
 
 def certificate_text(certificate: Certificate) -> str:
     """What is proved of the world that was driven in, and what is not."""
@@ -88,6 +95,10 @@ def frechet_rows(run: RunData) -> list[tuple[str, str]]:
     rows += [
         (f"in learning: {words(name)}", number(value))
         for name, value in run.skill.frechet.items()
+    ]
+    periodic = run.metrics.get("periodic") or {}
+    rows += [
+        (f"cycles: {_CYCLES.get(k, words(k))}", number(periodic[k])) for k in periodic
     ]
     if scale is not None:
         rows.append(("1 stands for, in canonical units", number(scale)))
