@@ -149,6 +149,25 @@ def test_learning_prints_a_table_and_no_progress_in_a_pipe(arc, tmp_path, capsys
     assert output.exists()
 
 
+def test_cycles_are_learned_and_reproduced_on_top(tmp_path, capsys):
+    scrubbing = models_folder() / "demonstrations" / "scrubbing_1.csv"
+    output, path = tmp_path / "s.yaml", tmp_path / "path.csv"
+    words = ["--quick", "--obstacles", "0", "--pictures", "one"]
+    main(["learn", str(scrubbing), "-o", str(output), *words])
+    said = capsys.readouterr().out
+    # Shown: 12.5 cycles in 14 s.
+    assert "periodic         1.12 s a cycle" in said
+    assert load_skill(output).periodic is not None
+    start = [repr(float(value)) for value in load_skill(output).start]
+    main(["reproduce", str(output), "--start", *start, "-o", str(path)])
+    said = capsys.readouterr().out
+    assert "cycles   1.12 s each" in said
+    t, x, y = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
+    assert t[-1] > 10.0
+    # Straight the way is 1.5 long; round 12 ovals it is several times that.
+    assert np.hypot(np.diff(x), np.diff(y)).sum() > 4.0
+
+
 @pytest.mark.slow
 def test_the_shipped_strokes_are_learned_as_well_as_promised(tmp_path):
     outputs = [tmp_path / "a.yaml", tmp_path / "b.yaml"]

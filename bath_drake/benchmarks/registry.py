@@ -7,7 +7,16 @@ from bath_drake.benchmarks.figures import Figure, Progress, Report, Settings
 from bath_drake.errors import BathDrakeError
 
 # The names the command line is to have, whether or not this version has them.
-NAMES = ("field", "lasa", "strokes", "frechet", "perception", "loop", "soak")
+NAMES = (
+    "field",
+    "lasa",
+    "strokes",
+    "frechet",
+    "demonstrations",
+    "perception",
+    "loop",
+    "soak",
+)
 
 
 @dataclass(frozen=True)
@@ -48,12 +57,19 @@ def _frechet(settings: Settings, progress: Progress) -> Report:
     return run(settings, progress)
 
 
+def _demonstrations(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.demonstrations import run
+
+    return run(progress)
+
+
 _LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
 BENCHMARKS = {
     "field": Benchmark(_field),
     "strokes": Benchmark(_strokes, _LEARNING),
     "lasa": Benchmark(_lasa, _LEARNING | {"data"}),
     "frechet": Benchmark(_frechet, frozenset({"peers"})),
+    "demonstrations": Benchmark(_demonstrations),
 }
 
 

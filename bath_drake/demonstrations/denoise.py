@@ -17,26 +17,23 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, make_smoothing_spline
 
+from bath_drake.demonstrations.outliers import find_outliers, find_strays
 from bath_drake.notation import FloatArray, IntArray
 
 # Half gain here: 4 Hz passes with 3.8 %, 12 Hz with 0.05 %, 0.3 Hz with 99.9 %.
 CUTOFF_HZ = 1.8
 # A faster stroke would be cut. The cutoff rises until the smoothed path stays this
-# close to the recorded one, as a share of the longest side of the path's box; hand
-# tremor of 1 cm on a stroke across the back is just below.
-TOLERANCE = 0.025
+# close to the recorded one, as shares of the longest side of the path's box: every
+# sample, and the average over a quarter of a second, in which tremor of 4 Hz or more
+# cancels out and a cut corner does not.
+TOLERANCE, AVERAGE_TOLERANCE = 0.04, 0.005
+AVERAGED_S = 0.25
 CUTOFF_GROWTH = 1.25
 # At this many cycles a sample the spline goes through every sample.
 INTERPOLATING = 100.0
 # Nothing a hand does needs more samples, and closer ones make the spline stiff.
 MAX_RATE_HZ = 200.0
 MIN_SAMPLES = 5
-# A step there and back at this multiple of the speed around it is no hand's.
-OUTLIER_SPEED = 6.0
-# ... if it also leaves the path by this share of the box's longest side.
-OUTLIER_SIZE = 0.02
-OUTLIER_LENGTH = 3
-OUTLIER_WINDOW = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,30 +74,63 @@ def denoise(t: FloatArray, points: FloatArray) -> DenoisedPath:
         points: Positions, shape (n, d), m.
 
     Returns:
-        The smooth path. It stays within `TOLERANCE` of the samples used (as a
-        share of the longest side of their box), or interpolates them nearly.
+        The smooth path. It stays within `TOLERANCE` of the samples used, and within
+        `AVERAGE_TOLERANCE` on average over `AVERAGED_S` (as shares of the longest
+        side of their box), or it interpolates them nearly.
     """
     outliers = find_outliers(t, points)
-    kept_t = np.delete(t, outliers)
-    kept = np.delete(points, outliers, axis=0)
-    if kept_t.size < MIN_SAMPLES:
-        outliers, kept_t, kept = outliers[:0], t, points
-    kept_t, kept = _thin(kept_t, kept)
-    allowed = TOLERANCE * float(np.max(np.ptp(kept, axis=0)))
+    kept = np.delete(np.arange(t.size), outliers)
+    if kept.size < MIN_SAMPLES:
+        kept = np.arange(t.size)
+    path = _smoothed(t, points, kept, CUTOFF_HZ)
+    side = float(np.max(np.ptp(points[kept], axis=0)))
+    strays = find_strays(path(t[kept]) - points[kept], side)
+    if 0 < strays.size <= kept.size - MIN_SAMPLES:
+        kept = np.delete(kept, strays)
+        path = _smoothed(t, points, kept, CUTOFF_HZ)
+    while not _close(path, t[kept], points[kept]):
+        path = _smoothed(t, points, kept, path.cutoff * CUTOFF_GROWTH)
+    return path
+
+
+def _smoothed(
+    t: FloatArray, points: FloatArray, kept: IntArray, cutoff: float
+) -> DenoisedPath:
+    thin_t, thin = _thin(t[kept], points[kept])
     start, end = float(t[0]), float(t[-1])
     # The time axis of the fit has mean spacing 1: lambda scales with the fourth
     # power of the unit, and the solver's numbers stay near 1.
-    unit = (end - start) / (kept_t.size - 1)
-    u = (kept_t - start) / unit
-    shares = np.gradient(u)
-    cutoff = CUTOFF_HZ
-    while True:
-        lam = (2.0 * np.pi * cutoff * unit) ** -4
-        spline = make_smoothing_spline(u, kept, w=shares, lam=lam)
-        error = float(np.max(np.linalg.norm(spline(u) - kept, axis=1)))
-        if error <= allowed or cutoff * unit > INTERPOLATING:
-            return DenoisedPath(start, end, cutoff, outliers, spline, unit)
-        cutoff *= CUTOFF_GROWTH
+    unit = (end - start) / (thin_t.size - 1)
+    u = (thin_t - start) / unit
+    lam = (2.0 * np.pi * cutoff * unit) ** -4
+    spline = make_smoothing_spline(u, thin, w=np.gradient(u), lam=lam)
+    outliers = np.delete(np.arange(t.size), kept)
+    return DenoisedPath(start, end, cutoff, outliers, spline, unit)
+
+
+def _close(path: DenoisedPath, t: FloatArray, points: FloatArray) -> bool:
+    """Whether a path is within the tolerance of samples, or goes through them."""
+    if path.cutoff * path.unit > INTERPOLATING:
+        return True
+    side = float(np.max(np.ptp(points, axis=0)))
+    off = path(t) - points
+    largest = np.linalg.norm(off, axis=1).max()
+    average = np.linalg.norm(_averaged(t, off), axis=1).max()
+    return bool(largest <= TOLERANCE * side and average <= AVERAGE_TOLERANCE * side)
+
+
+def _averaged(t: FloatArray, values: FloatArray) -> FloatArray:
+    """Averages of values (n, d) over `AVERAGED_S` around each time, or over all."""
+    edges = np.concatenate([t[:1], 0.5 * (t[1:] + t[:-1]), t[-1:]])
+    areas = values * np.diff(edges)[:, None]
+    sums = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(areas, axis=0)])
+    window = min(AVERAGED_S, float(t[-1] - t[0]))
+    low = np.clip(t - 0.5 * window, t[0], t[-1] - window)
+    within = [
+        np.interp(low + window, edges, column) - np.interp(low, edges, column)
+        for column in sums.T
+    ]
+    return np.stack(within, axis=-1) / window
 
 
 def _thin(t: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -117,42 +147,3 @@ def _thin(t: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     if counts.size < MIN_SAMPLES:
         return t, points
     return columns[0], np.stack(columns[1:], axis=-1)
-
-
-def find_outliers(t: FloatArray, points: FloatArray) -> IntArray:
-    """Finds samples that jump away from the path and back.
-
-    A run of at most three samples is out when the steps into it and out of it are
-    both far longer than the steps around, and longer than what is left between its
-    neighbours once it is gone. The first and last samples never are: nothing
-    tells a jump there from a motion.
-
-    Args:
-        t: Times, shape (n,), s, strictly increasing.
-        points: Positions, shape (n, d), m.
-
-    Returns:
-        Indices of the outliers, shape (k,), increasing.
-    """
-    count = t.size
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    speeds = steps / np.diff(t)
-    smallest = OUTLIER_SIZE * float(np.max(np.ptp(points, axis=0)))
-    out = np.zeros(count, dtype=np.bool_)
-    for length in range(1, min(OUTLIER_LENGTH, count - 2) + 1):
-        into, back = steps[: count - 1 - length], steps[length:]
-        gap = points[length + 1 :] - points[: -length - 1]
-        across = np.linalg.norm(gap, axis=1)
-        jumps = np.minimum(into, back) > np.maximum(smallest, 2.0 * across)
-        for first in np.flatnonzero(jumps) + 1:
-            last = first + length
-            around = np.r_[
-                speeds[max(0, first - 1 - OUTLIER_WINDOW) : first - 1],
-                speeds[last : last + OUTLIER_WINDOW],
-            ]
-            usual = float(np.median(around)) if around.size else np.inf
-            jump = min(speeds[first - 1], speeds[last - 1])
-            # A neighbour found before has steps of its own that would mislead.
-            if jump > OUTLIER_SPEED * usual and not np.any(out[first - 1 : last + 1]):
-                out[first:last] = True
-    return np.flatnonzero(out)

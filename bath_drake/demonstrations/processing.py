@@ -11,8 +11,9 @@ from bath_drake.demonstrations.canonical import (
     FrameKind,
     PeriodicPart,
 )
-from bath_drake.demonstrations.denoise import DenoisedPath, denoise, find_outliers
+from bath_drake.demonstrations.denoise import DenoisedPath, denoise
 from bath_drake.demonstrations.metadata import BodyBox
+from bath_drake.demonstrations.outliers import find_outliers
 from bath_drake.demonstrations.recording import Recording
 from bath_drake.demonstrations.separation import Separation, separate
 from bath_drake.errors import DemonstrationError

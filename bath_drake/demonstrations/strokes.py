@@ -145,23 +145,40 @@ def make_take(
         right and y to the head.
     """
     points, heading = meant_curve(stroke)
-    points = _perturbed(points, stroke.size, rng)
+    points = perturbed(points, stroke.size, rng)
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     duration = length / rng.uniform(*SPEED)
     count = int(rng.integers(*ROWS))
     t = np.linspace(0.0, duration, count)
     # A tracker's clock: no two intervals alike, the order kept.
     t[1:-1] += rng.uniform(-0.2, 0.2, count - 2) * duration / (count - 1)
-    wanted = _progress(t / duration, rng)
+    taken = hand_at(points, heading, t / duration, rng)
+    return t, taken + rng.normal(0.0, NOISE, taken.shape)
+
+
+def hand_at(
+    points: FloatArray,
+    heading: FloatArray,
+    share: FloatArray,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Where a hand is at shares (n,) of its time, shape (n, 2), m.
+
+    Args:
+        points: The curve it follows, shape (FINE, 2), m.
+        heading: Direction at each of its points, shape (FINE,), rad.
+        share: From 0 to 1.
+        rng: For the unevenness of its pace.
+    """
+    wanted = _progress(share, rng)
     # What each point costs in time: more in bends.
     bend = np.gradient(heading, 1.0 / (FINE - 1)) * SLOWING_RADIUS
     cost = np.cumsum((1.0 + bend**2) ** (1.0 / 6.0))
     cost = (cost - cost[0]) / (cost[-1] - cost[0])
-    taken = np.stack([np.interp(wanted, cost, p) for p in points.T], axis=-1)
-    return t, taken + rng.normal(0.0, NOISE, taken.shape)
+    return np.stack([np.interp(wanted, cost, p) for p in points.T], axis=-1)
 
 
-def _perturbed(points: FloatArray, size: float, rng: np.random.Generator) -> FloatArray:
+def perturbed(points: FloatArray, size: float, rng: np.random.Generator) -> FloatArray:
     """Points turned, stretched, sheared and moved a little, with a slow wobble."""
     angle = rng.normal(0.0, TURN)
     cos, sin = np.cos(angle), np.sin(angle)

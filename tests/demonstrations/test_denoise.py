@@ -7,8 +7,8 @@ from bath_drake.demonstrations.denoise import (
     CUTOFF_HZ,
     TOLERANCE,
     denoise,
-    find_outliers,
 )
+from bath_drake.demonstrations.outliers import find_outliers, find_strays
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -148,3 +148,29 @@ def test_a_gap_in_the_recording_is_bridged():
     error = np.linalg.norm(path(t) - sinusoid(t), axis=1)
     # A cubic over 0.4 s of a stroke that turns within 2.7 s.
     assert np.max(error) < 2e-3
+
+
+def test_a_jump_among_strong_tremor_is_left_out_and_bends_nothing(rng):
+    t = np.arange(0.0, 5.0, 1.0 / 30.0)
+    line = np.column_stack([0.08 * t, 0.0 * t])
+    shaken = line + 0.006 * np.sin(2.0 * np.pi * 9.0 * t + [[0.0], [2.0]]).T
+    jumped = shaken.copy()
+    jumped[70] += [0.02, 0.045]
+    path = denoise(t, jumped)
+    assert path.outliers.tolist() == [70]
+    # Tremor of 6 mm at 9 Hz passes with 0.2 %, a gap of two samples bends by the rest.
+    middle = slice(15, -15)
+    np.testing.assert_allclose(path(t)[middle], line[middle], atol=1e-3)
+
+
+def test_strays_stand_alone():
+    smooth = np.full((40, 2), 1e-3)
+    smooth[20] = [0.03, 0.0]
+    assert find_strays(smooth, side=0.4).tolist() == [20]
+    # A corner that was cut leaves a whole run.
+    smooth[18:23] = [0.03, 0.0]
+    assert find_strays(smooth, side=0.4).size == 0
+    # The ends have one neighbour, and may be a motion.
+    ends = np.full((40, 2), 1e-3)
+    ends[0] = ends[-1] = [0.03, 0.0]
+    assert find_strays(ends, side=0.4).size == 0

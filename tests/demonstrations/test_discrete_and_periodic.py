@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from composites import random_composite
 
+from bath_drake.benchmarks.composites import random_composite
 from bath_drake.demonstrations.processing import (
     canonical_demonstrations,
     resample_by_arc_length,

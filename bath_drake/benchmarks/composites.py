@@ -71,4 +71,4 @@ def _cycle(rng: np.random.Generator, phase: FloatArray) -> FloatArray:
 def _turned(rng: np.random.Generator, points: FloatArray) -> FloatArray:
     angle = rng.uniform(0.0, 2.0 * np.pi)
     cos, sin = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
