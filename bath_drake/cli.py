@@ -16,6 +16,7 @@ from bath_drake.errors import BathDrakeError
 # when asked for: Drake, Open3D and numba take seconds to import.
 VERBS = {
     "demo": "demonstrations -> learned skill -> closed loop -> report",
+    "capture": "a demonstration out of an RGB-D recording of a marker",
     "learn": "learn one skill from one or more demonstration files",
     "reproduce": "roll a skill out, no simulator",
     "certify": "check that a field has no trap",

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from bath_drake.demonstrations.rgbd.writer import RgbdWriter
 from bath_drake.perception.camera import PinholeCamera
 
 CAMERA = PinholeCamera(192, 160, 150.0, 150.0, 96.0, 80.0)
@@ -95,3 +96,26 @@ def swaying(k, **kwargs):
     turn = np.array([0.02 * np.sin(0.5 * k), 0.06 * np.sin(0.3 * k), 0.0])
     shift = np.array([0.004 * np.sin(0.4 * k), 0.0, 0.006 * np.cos(0.35 * k)])
     return Scene(turn=turn, shift=shift, **kwargs)
+
+
+FRAMES, RATE = 24, 12.0
+
+
+def stroke_place(k):
+    """Where the marker touches the barrel in frame k: a wave from left to right."""
+    share = k / (FRAMES - 1)
+    return -0.1 + 0.2 * share, 0.1 * np.sin(2.0 * np.pi * share)
+
+
+def write_recording(folder, hidden=(), frames=FRAMES, **kwargs):
+    """Writes a recording of a stroke; in `hidden` frames a hand covers the marker."""
+    writer = RgbdWriter(folder, CAMERA, None)
+    rng = np.random.default_rng(7)
+    for k in range(frames):
+        place = stroke_place(k)
+        scene = swaying(k, **{"marker": None if k in hidden else place} | kwargs)
+        # The hand is below the marker, and above in the hidden frames.
+        x, y = place
+        scene.hand = place if k in hidden else (x, min(y + 0.12, 0.2))
+        writer.write(k / RATE, *draw(scene, rng))
+    return folder

@@ -45,6 +45,7 @@ def test_every_verb_explains_itself(capsys, verb):
         (("simulate", "reproduction", "--record", "/dev/null"), "not a folder"),
         (("report", "/no/such/run"), "/no/such/run"),
         (("diagram", "no_such"), "no such scenario"),
+        (("capture", "no_such", "-o", "demo.csv"), "no_such"),
         (("learn", "no_such.csv", "-o", "s.yaml"), "no_such.csv"),
         (("certify", "no_such.yaml"), "no_such.yaml"),
         (("bench", "loop"), "loop: not in this version"),

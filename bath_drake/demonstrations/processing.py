@@ -55,6 +55,14 @@ def canonical_demonstrations(
     if not recordings:
         raise ValueError("no recordings given")
     _check_alike(recordings)
+    for recording in recordings:
+        if gaps := recording.metadata.gaps:
+            _log.warning(
+                "%s: %d gaps, %.2f s in all, are bridged",
+                recording.path,
+                len(gaps),
+                sum(end - start for start, end in gaps),
+            )
     parts = [_separated(recording) for recording in recordings]
     smooth = [
         denoise(recording.t, recording.points)

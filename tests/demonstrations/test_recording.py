@@ -5,10 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bath_drake.demonstrations.metadata import BodyBox, RecordingMetadata
+from bath_drake.demonstrations.metadata import (
+    BodyBox,
+    RecordingMetadata,
+    metadata_block,
+)
 from bath_drake.demonstrations.recording import MAX_BYTES, read_recording
+from bath_drake.demonstrations.recording_text import recording_text
 from bath_drake.errors import DemonstrationError
 from bath_drake.resources import models_folder
+from bath_drake.yaml_io import dump_yaml
 
 ROWS = [f"{0.1 * i:.1f},{0.01 * i:.2f},{0.02 * i:.2f}" for i in range(6)]
 GOOD = "t,x,y\n" + "\n".join(ROWS) + "\n"
@@ -222,3 +228,27 @@ def test_every_shipped_demonstration_reads_and_names_its_licence(path):
     recording = read_recording(path)
     assert recording.points.shape[1] == 3
     assert recording.metadata.licence
+
+
+def test_what_is_written_about_a_recording_is_read_back(tmp_path):
+    box = BodyBox(np.zeros(3), np.eye(3), np.array([0.3, 0.5]))
+    said = RecordingMetadata(
+        frame="back", body_box=box, who="A", seed=3, gaps=((1.0, 1.5), (2.0, 2.25))
+    )
+    t, points = np.arange(6) / 10.0, np.outer(np.arange(6), [0.01, -0.02, 0.0])
+    path = tmp_path / "demo.csv"
+    path.write_text(recording_text(t, points))
+    path.with_suffix(".yaml").write_text(dump_yaml(metadata_block(said)))
+    read = read_recording(path)
+    assert read.metadata == said
+    np.testing.assert_allclose(read.t, t, atol=1e-12)
+    np.testing.assert_allclose(read.points, points, atol=1e-12)
+
+
+@pytest.mark.parametrize("gaps", ["[[2.0, 1.0]]", "[[1.0]]", "1.0"])
+def test_gaps_that_are_none_are_refused(tmp_path, gaps):
+    path = tmp_path / "demo.csv"
+    path.write_text(recording_text(np.arange(6.0), np.eye(6)[:, :3]))
+    path.with_suffix(".yaml").write_text(f"gaps: {gaps}\n")
+    with pytest.raises(DemonstrationError, match="gaps"):
+        read_recording(path)

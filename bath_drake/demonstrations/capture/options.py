@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-from bath_drake.demonstrations.capture.stroke import MAX_GAP
-
 
 @dataclass(frozen=True, kw_only=True)
 class CaptureOptions:
@@ -14,10 +12,8 @@ class CaptureOptions:
         marker_box: First and last column and row (x0, y0, x1, y1) of a box around it
             in the first frame.
         marker_at: Column and row of one of its pixels in the first frame.
-        max_gap: Longer gaps stay open, s.
     """
 
     marker_colour: tuple[int, int, int] | None = None
     marker_box: tuple[int, int, int, int] | None = None
     marker_at: tuple[int, int] | None = None
-    max_gap: float = MAX_GAP

@@ -94,7 +94,7 @@ def capture(
     found = _follow(
         recording, body, marker, radius, lambda k: progress(len(picks) + k, total)
     )
-    return _cut(recording, options, body, marker, radius, found)
+    return _cut(recording, body, marker, radius, found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,6 @@ def _follow(
 
 def _cut(
     recording: RgbdFolder,
-    options: CaptureOptions,
     body: Body,
     marker: MarkerColour,
     radius: float,
@@ -149,11 +148,7 @@ def _cut(
 ) -> Capture:
     times = np.array([files.t for files in recording.files])
     stroke = cut_stroke(
-        times - times[0],
-        found.contacts_P,
-        found.heights,
-        found.reasons,
-        options.max_gap,
+        times - times[0], found.contacts_P, found.heights, found.reasons
     )
     if stroke is None or len(stroke.t) < MIN_SAMPLES:
         raise DemonstrationError(
