@@ -1,6 +1,6 @@
 """From an RGB-D recording to a stroke on the back (paper, Section III-A)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,8 +83,7 @@ def capture(
     total = len(picks) + count
     frames: dict[int, Images] = {}
     for done, k in enumerate(picks, start=1):
-        frame = recording.frame(k)
-        frames[k] = frame.colour, frame.depth
+        frames[k] = _images(recording, k)
         progress(done, total)
     marker = marker_colour(recording, options, frames)
     radius, places_C = marker_radius(frames, marker, camera, name)
@@ -92,7 +91,12 @@ def capture(
     up_C = None if X_WC is None else np.array(X_WC[2, :3])
     body = build_body(frames, camera, up_C, places_C, name)
     found = _follow(
-        recording, body, marker, radius, lambda k: progress(len(picks) + k, total)
+        recording,
+        frames,
+        body,
+        marker,
+        radius,
+        lambda k: progress(len(picks) + k, total),
     )
     return _cut(recording, body, marker, radius, found)
 
@@ -108,8 +112,14 @@ class _Track:
     reasons: list[str]
 
 
+def _images(recording: RgbdFolder, index: int) -> Images:
+    frame = recording.frame(index)
+    return frame.colour, frame.depth
+
+
 def _follow(
     recording: RgbdFolder,
+    frames: Mapping[int, Images],
     body: Body,
     marker: MarkerColour,
     radius: float,
@@ -120,11 +130,12 @@ def _follow(
     found = _Track([], markers_C, contacts, np.full(count, np.nan), [])
     last: FloatArray | None = None
     guess = body.poses[min(body.poses)]
-    for k, frame in enumerate(recording):
+    for k in range(count):
+        colour, depth = frames[k] if k in frames else _images(recording, k)
         guess = body.poses.get(k, guess)
-        pose = track(body.surface, frame.depth, camera, guess)
-        blobs = find_blobs(frame.colour, frame.depth, marker, camera)
-        sight = locate(blobs, frame.depth, camera, radius, last)
+        pose = track(body.surface, depth, camera, guess)
+        blobs = find_blobs(colour, depth, marker, camera)
+        sight = locate(blobs, depth, camera, radius, last)
         last = sight.p_C if sight.seen else None
         markers_C[k] = sight.p_C
         on_body = pose.share >= MIN_SHARE

@@ -26,6 +26,9 @@ from bath_drake.perception.segmentation import (
 RIM, RIM_DEPTH = 0.035, 0.25
 # Depths are smoothed over so many pixels before normals are taken.
 SMOOTHING = 1.5
+# The top of a shoulder begins sooner than for the robot's camera (cosine): one that
+# films a sitting person from above sees more of it.
+MAX_RISE = 0.9
 
 
 class View:
@@ -51,7 +54,9 @@ class View:
         self._R_WC = np.ascontiguousarray(np.stack([x, np.cross(z, x), z]))
         reach = np.linalg.norm(np.abs(np.stack([low, high])).max(axis=0))
         self.config = SegmentationConfig(
-            box_low_W=np.full(3, -reach), box_high_W=np.full(3, reach)
+            box_low_W=np.full(3, -reach),
+            box_high_W=np.full(3, reach),
+            max_rise=MAX_RISE,
         )
 
     def points_C(self, depth: FloatArray) -> FloatArray:
