@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import keyword
 import logging
 import os
 import re
@@ -17,6 +18,8 @@ from bath_drake.errors import BathDrakeError
 VERBS = {
     "demo": "demonstrations -> learned skill -> closed loop -> report",
     "capture": "a demonstration out of an RGB-D recording of a marker",
+    "import": "a demonstration out of a C3D, MMM, NPZ or CSV file or a ROS bag",
+    "show": "plot what demonstration files hold, before anyone learns from them",
     "learn": "learn one skill from one or more demonstration files",
     "reproduce": "roll a skill out, no simulator",
     "certify": "check that a field has no trap",
@@ -61,7 +64,8 @@ def _build_parser(verb: str | None) -> argparse.ArgumentParser:
 
 
 def _command(verb: str) -> Any:
-    return importlib.import_module(f"bath_drake.commands.{verb}")
+    module = f"{verb}_" if keyword.iskeyword(verb) else verb
+    return importlib.import_module(f"bath_drake.commands.{module}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -67,14 +67,13 @@ def run(options: argparse.Namespace) -> int:
     """Writes DEMO.csv, DEMO.yaml and DEMO.png, or none of them; returns 0."""
     import io
 
+    from bath_drake.commands._files import write_all
     from bath_drake.commands._progress import progress_bar
-    from bath_drake.demonstrations.capture.demonstration import (
-        demonstration,
-        file_texts,
-    )
+    from bath_drake.demonstrations.capture.demonstration import demonstration
     from bath_drake.demonstrations.capture.options import CaptureOptions
     from bath_drake.demonstrations.capture.pipeline import capture
     from bath_drake.demonstrations.processing import canonical_demonstrations
+    from bath_drake.demonstrations.recording_text import file_texts
     from bath_drake.demonstrations.rgbd.folder import open_rgbd
     from bath_drake.report import style
     from bath_drake.report.capture_figure import draw_capture
@@ -102,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
         figure = draw_capture(recording, found, learned)
         figure.savefig(picture, format="png", dpi=110, metadata={"Software": None})
     table, metadata = file_texts(stroke)
-    _write_all(
+    write_all(
         {
             output.with_suffix(".png"): picture.getvalue(),
             output.with_suffix(".yaml"): metadata.encode(),
@@ -125,24 +124,6 @@ def _check_outputs(output: Path, folder: Path) -> None:
         check_output(output.with_suffix(suffix), error=DemonstrationError)
     if output.resolve() == (folder / TIMESTAMPS).resolve():
         raise DemonstrationError(f"{output}: is a file of the recording")
-
-
-def _write_all(files: dict[Path, bytes]) -> None:
-    """Writes all files, or takes back those that were not there before."""
-    from bath_drake.errors import DemonstrationError
-    from bath_drake.yaml_io import write_atomically
-
-    new: list[Path] = []
-    try:
-        for path, content in files.items():
-            there = path.exists()
-            write_atomically(path, content, error=DemonstrationError)
-            if not there:
-                new.append(path)
-    except DemonstrationError:
-        for path in new:
-            path.unlink(missing_ok=True)
-        raise
 
 
 def _summary(found: "Capture", frames: int, output: Path) -> list[str]:

@@ -1,20 +1,14 @@
 """A captured stroke as a demonstration: its files' text, and how it will be read."""
 
-import hashlib
 from pathlib import Path
 
 import numpy as np
 
 from bath_drake import __version__
 from bath_drake.demonstrations.capture.pipeline import Capture
-from bath_drake.demonstrations.metadata import (
-    BodyBox,
-    RecordingMetadata,
-    metadata_block,
-)
+from bath_drake.demonstrations.metadata import BodyBox, RecordingMetadata
 from bath_drake.demonstrations.recording import Recording
-from bath_drake.demonstrations.recording_text import recording_text
-from bath_drake.yaml_io import dump_yaml
+from bath_drake.demonstrations.recording_text import as_it_will_be_read
 
 
 def demonstration(found: Capture, path: Path, source: Path) -> Recording:
@@ -36,17 +30,4 @@ def demonstration(found: Capture, path: Path, source: Path) -> Recording:
             if not gap.filled
         ),
     )
-    text = recording_text(found.stroke.t, found.stroke.points)
-    return Recording(
-        path=path,
-        t=np.round(found.stroke.t, 6),
-        points=np.round(found.stroke.points, 6),
-        metadata=metadata,
-        sha256=hashlib.sha256(text.encode()).hexdigest(),
-    )
-
-
-def file_texts(recording: Recording) -> tuple[str, str]:
-    """Returns the texts of NAME.csv and NAME.yaml."""
-    metadata = dump_yaml(metadata_block(recording.metadata))
-    return recording_text(recording.t, recording.points), metadata
+    return as_it_will_be_read(path, found.stroke.t, found.stroke.points, metadata)
