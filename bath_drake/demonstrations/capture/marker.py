@@ -19,9 +19,9 @@ from bath_drake.perception.camera import PinholeCamera
 MIN_PIXELS = 5
 # Less of the ball than this is too little to tell where it is.
 MIN_VISIBLE = 0.3
-# Two blobs are two markers if the second has this share of the first's pixels, unless
-# the first is this near to where the marker just was, m, and the second is not.
-RIVAL = 0.5
+# Of several blobs that may be the marker it is the one that is this near to where it
+# just was, m.
+NEAR = 0.08
 # A blob wider than the marker by this is something else.
 LARGEST = 1.6
 NEAR = 0.08
@@ -57,10 +57,12 @@ class MarkerSight:
     Attributes:
         p_C: (3,) the ball's centre in the camera's frame, m; NaN if not seen.
         reason: Why it is not seen; empty if it is.
+        blob: Its pixels; None if it is not seen.
     """
 
     p_C: FloatArray
     reason: str = ""
+    blob: Blob | None = None
 
     @property
     def seen(self) -> bool:
@@ -117,6 +119,7 @@ def locate(
     camera: PinholeCamera,
     radius: float,
     last: FloatArray | None,
+    reach: float = NEAR,
 ) -> MarkerSight:
     """Lifts the marker's blob to the ball's centre.
 
@@ -125,30 +128,29 @@ def locate(
         depth: (H, W) m, 0 where unknown.
         camera: The camera.
         radius: The ball's, m.
-        last: (3,) where the ball was a moment ago, in the camera's frame, if known.
+        last: (3,) where the ball was last, in the camera's frame, if known.
+        reach: How far it may be from there, m; decides between blobs that all may be
+            the marker.
     """
     if not blobs:
         return _unseen("hidden")
     measured = [blob for blob in blobs if blob.depth > 0.0]
-    # What the whole ball cannot look like is something else of its colour.
-    measured = [b for b in measured if blob_radius(b, camera) <= LARGEST * radius]
     if not measured:
         return _unseen("no depth")
-    places = [_ball(blob, depth, camera, radius) for blob in measured]
-    near = [last is not None and np.linalg.norm(p - last) <= NEAR for p in places]
-    first = measured[0]
-    rivals = [
-        k for k, blob in enumerate(measured) if blob.pixels >= RIVAL * first.pixels
+    # Too wide, or too little of it: the whole ball never looks so.
+    whole = np.pi * camera.fx * camera.fy * radius**2
+    likely = [
+        blob
+        for blob in measured
+        if MIN_VISIBLE * whole <= blob.pixels * blob.depth**2 <= LARGEST**2 * whole
     ]
-    if len(rivals) > 1:
-        rivals = [k for k in rivals if near[k]]
-    if len(rivals) != 1:
-        return _unseen("ambiguous")
-    blob = measured[rivals[0]]
-    whole = np.pi * camera.fx * camera.fy * (radius / blob.depth) ** 2
-    if blob.pixels < MIN_VISIBLE * whole:
-        return _unseen("hidden")
-    return MarkerSight(places[rivals[0]])
+    places = [_ball(blob, depth, camera, radius) for blob in likely]
+    picks = list(range(len(likely)))
+    if len(picks) > 1 and last is not None:
+        picks = [k for k in picks if np.linalg.norm(places[k] - last) <= reach]
+    if len(picks) != 1:
+        return _unseen("ambiguous" if likely else "hidden")
+    return MarkerSight(places[picks[0]], "", likely[picks[0]])
 
 
 def _ball(

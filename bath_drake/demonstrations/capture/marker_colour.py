@@ -15,11 +15,12 @@ from bath_drake.notation import BoolArray, ByteArray, FloatArray
 
 # Half the range of hues taken for the marker's, degrees: at least, and at most.
 MIN_TOLERANCE, MAX_TOLERANCE = 14.0, 35.0
-# Paler or darker pixels are not the marker's, as a share of its own and outright.
-SATURATION_SHARE, MIN_SATURATION = 0.6, 0.35
+# Paler or darker pixels are not the marker's, as a share of its own and outright. A
+# colour that was named and not seen is paler in a picture: lamps shine on it.
+SATURATION_SHARE, NAMED_SHARE, MIN_SATURATION = 0.75, 0.5, 0.35
 MIN_VALUE = 0.12
-# A colour paler than this is told from skin and walls by nothing.
-PALEST = 0.45
+# Skin is paler than this, and so is not learned for the marker beside it.
+VIVID = 0.45
 # Skin's hues, degrees: a marker that nobody described is none of these.
 SKIN_HUES = (-20.0, 55.0)
 # How a marker that nobody described is recognised: it is the only blob of its hue,
@@ -73,7 +74,7 @@ def colour_of_rgb(rgb: Sequence[int], where: str) -> MarkerColour:
     Raises:
         DemonstrationError: Naming `where`, if the colour is too pale.
     """
-    return colour_of_pixels(np.array([rgb], dtype=np.uint8), where)
+    return _learned(np.array([rgb], dtype=np.uint8), where, NAMED_SHARE)
 
 
 def colour_of_pixels(pixels: ByteArray, where: str) -> MarkerColour:
@@ -82,19 +83,24 @@ def colour_of_pixels(pixels: ByteArray, where: str) -> MarkerColour:
     Raises:
         DemonstrationError: Naming `where`, if most of them are too pale.
     """
+    return _learned(pixels, where, SATURATION_SHARE)
+
+
+def _learned(pixels: ByteArray, where: str, share: float) -> MarkerColour:
     hsv = cv2.cvtColor(pixels[None], cv2.COLOR_RGB2HSV)[0].astype(np.float64)
     saturations, hues = hsv[:, 1] / 255.0, 2.0 * hsv[:, 0]
     # A box around a ball has a rim of something else: the vivid half is the ball.
-    vivid = saturations >= max(np.median(saturations), PALEST)
+    palest = VIVID if saturations.max() >= VIVID else MIN_SATURATION
+    vivid = saturations >= max(np.median(saturations), palest)
     if not vivid.any():
         raise DemonstrationError(
             f"{where}: the colour is too pale to be told from skin and walls "
-            f"(saturation {saturations.max():.2f}), allowed: from {PALEST} on"
+            f"(saturation {saturations.max():.2f}), allowed: from {MIN_SATURATION} on"
         )
     hue = _median_hue(hues[vivid])
     spread = np.median(np.abs(_turned(hues[vivid] - hue)))
     tolerance = float(np.clip(4.0 * spread, MIN_TOLERANCE, MAX_TOLERANCE))
-    least = max(SATURATION_SHARE * float(np.median(saturations[vivid])), MIN_SATURATION)
+    least = max(share * float(np.median(saturations[vivid])), MIN_SATURATION)
     red, green, blue = (round(v) for v in np.median(pixels[vivid], axis=0).tolist())
     return MarkerColour(hue, tolerance, least, (red, green, blue))
 
@@ -115,7 +121,7 @@ def detect_colour(
     alone: dict[int, list[ByteArray]] = {}
     for colour in frames:
         hsv = cv2.cvtColor(colour, cv2.COLOR_RGB2HSV)
-        vivid = (hsv[..., 1] >= 255 * PALEST) & (hsv[..., 2] >= 255 * LEAST_VALUE)
+        vivid = (hsv[..., 1] >= 255 * VIVID) & (hsv[..., 2] >= 255 * LEAST_VALUE)
         # Most of a room is pale: what is left is quickly counted.
         rows, columns = np.nonzero(vivid)
         hues = 2.0 * hsv[rows, columns, 0]

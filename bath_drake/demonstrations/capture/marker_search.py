@@ -7,6 +7,7 @@ import numpy as np
 from bath_drake.demonstrations.capture.body import Images
 from bath_drake.demonstrations.capture.marker import (
     RADII,
+    MarkerSight,
     blob_radius,
     find_blobs,
     locate,
@@ -88,25 +89,46 @@ def _shown(
     return colour_of_pixels(pixels.reshape(-1, 3), name)
 
 
-def marker_radius(
-    frames: Mapping[int, Images],
-    marker: MarkerColour,
-    camera: PinholeCamera,
-    name: str,
-) -> tuple[float, FloatArray]:
-    """Returns the ball's radius, m, and where it is (m, 3) in C in some frames.
+def find_marker(
+    recording: RgbdFolder, options: CaptureOptions, frames: Mapping[int, Images]
+) -> tuple[MarkerColour, float, FloatArray]:
+    """Returns the marker's colour, its radius, m, and where it is (m, 3) in C.
+
+    The colour is first what `marker_colour` says, then what the marker shows where it
+    is found with that: of a named colour its shade in this light, of a click the
+    shades of the whole ball.
 
     Args:
+        recording: The recording.
+        options: What is said of the marker.
         frames: Images spread over the recording, by index.
-        marker: The marker's colour.
-        camera: The camera.
-        name: What to name in messages.
 
     Raises:
         DemonstrationError: If nothing of that colour has a marker's size, or two
             things do wherever one does.
     """
-    said = f"{name}: what has the marker's colour {','.join(map(str, marker.rgb))}"
+    first = marker_colour(recording, options, frames)
+    said = f"{recording.path}: what has the marker's colour "
+    said += ",".join(map(str, first.rgb))
+    _, sights = _sights(frames, first, recording.camera, said)
+    seen = [
+        frames[k][0][sight.blob.rows, sight.blob.columns]
+        for k, sight in sights.items()
+        if sight.blob is not None
+    ]
+    colour = colour_of_pixels(np.concatenate(seen), said)
+    radius, sights = _sights(frames, colour, recording.camera, said)
+    places = [sight.p_C for sight in sights.values() if sight.seen]
+    return colour, radius, np.array(places)
+
+
+def _sights(
+    frames: Mapping[int, Images],
+    marker: MarkerColour,
+    camera: PinholeCamera,
+    said: str,
+) -> tuple[float, dict[int, MarkerSight]]:
+    """The ball's radius and its sights, at least one of which sees it."""
     blobs = {k: find_blobs(*images, marker, camera) for k, images in frames.items()}
     radii = [blob_radius(found[0], camera) for found in blobs.values() if found]
     if not radii:
@@ -116,12 +138,12 @@ def marker_radius(
             "frames: another colour, or other intrinsics or depth_scale?"
         )
     radius = float(np.quantile(radii, RADIUS_RANK))
-    sights = [
-        locate(found, frames[k][1], camera, radius, None) for k, found in blobs.items()
-    ]
-    places = [sight.p_C for sight in sights if sight.seen]
-    if not places:
+    sights = {
+        k: locate(found, frames[k][1], camera, radius, None)
+        for k, found in blobs.items()
+    }
+    if not any(sight.seen for sight in sights.values()):
         raise DemonstrationError(
             f"{said} is hidden or ambiguous in all of {len(frames)} frames"
         )
-    return radius, np.array(places)
+    return radius, sights

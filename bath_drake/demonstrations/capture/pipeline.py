@@ -12,12 +12,9 @@ from bath_drake.demonstrations.capture.body import (
     build_body,
 )
 from bath_drake.demonstrations.capture.contact import Skin
-from bath_drake.demonstrations.capture.marker import find_blobs, locate
+from bath_drake.demonstrations.capture.marker import NEAR, find_blobs, locate
 from bath_drake.demonstrations.capture.marker_colour import MarkerColour
-from bath_drake.demonstrations.capture.marker_search import (
-    marker_colour,
-    marker_radius,
-)
+from bath_drake.demonstrations.capture.marker_search import find_marker
 from bath_drake.demonstrations.capture.options import CaptureOptions
 from bath_drake.demonstrations.capture.rigid_tracking import TrackedPose, track
 from bath_drake.demonstrations.capture.stroke import CapturedStroke, cut_stroke
@@ -29,6 +26,8 @@ from bath_drake.notation import FloatArray
 BODY_FRAMES = 40
 # Fewer samples are no stroke.
 MIN_SAMPLES = 5
+# A marker that comes back is looked for within so many steps of where it went.
+MAX_REACH = 4
 
 Progress = Callable[[int, int], None]
 
@@ -85,8 +84,7 @@ def capture(
     for done, k in enumerate(picks, start=1):
         frames[k] = _images(recording, k)
         progress(done, total)
-    marker = marker_colour(recording, options, frames)
-    radius, places_C = marker_radius(frames, marker, camera, name)
+    marker, radius, places_C = find_marker(recording, options, frames)
     X_WC = recording.X_WC
     up_C = None if X_WC is None else np.array(X_WC[2, :3])
     body = build_body(frames, camera, up_C, places_C, name)
@@ -129,14 +127,18 @@ def _follow(
     markers_C, contacts = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
     found = _Track([], markers_C, contacts, np.full(count, np.nan), [])
     last: FloatArray | None = None
+    last_seen = 0
     guess = body.poses[min(body.poses)]
     for k in range(count):
         colour, depth = frames[k] if k in frames else _images(recording, k)
         guess = body.poses.get(k, guess)
         pose = track(body.surface, depth, camera, guess)
         blobs = find_blobs(colour, depth, marker, camera)
-        sight = locate(blobs, depth, camera, radius, last)
-        last = sight.p_C if sight.seen else None
+        # The longer it was hidden, the farther it may have come.
+        reach = NEAR * min(k - last_seen, MAX_REACH)
+        sight = locate(blobs, depth, camera, radius, last, reach)
+        if sight.seen:
+            last, last_seen = sight.p_C, k
         markers_C[k] = sight.p_C
         on_body = pose.share >= MIN_SHARE
         found.poses.append(pose if on_body else None)

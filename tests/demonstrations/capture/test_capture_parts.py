@@ -4,7 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up_carer import CAMERA, DISTANCE, GREEN, RADIUS, Scene, contact, draw
+from made_up_carer import (
+    CAMERA,
+    DISTANCE,
+    GREEN,
+    RADIUS,
+    Scene,
+    contact,
+    draw,
+    write_recording,
+)
 from scipy.spatial.transform import Rotation
 
 from bath_drake.demonstrations.capture.body import MAX_POINTS
@@ -16,6 +25,8 @@ from bath_drake.demonstrations.capture.marker_colour import (
     colour_of_rgb,
     detect_colour,
 )
+from bath_drake.demonstrations.capture.marker_search import find_marker
+from bath_drake.demonstrations.capture.options import CaptureOptions
 from bath_drake.demonstrations.capture.rigid_tracking import (
     AT_REST,
     RigidSurface,
@@ -24,6 +35,7 @@ from bath_drake.demonstrations.capture.rigid_tracking import (
 )
 from bath_drake.demonstrations.capture.symmetry import sagittal_plane, symmetric_map
 from bath_drake.demonstrations.capture.view import View
+from bath_drake.demonstrations.rgbd.folder import open_rgbd
 from bath_drake.errors import DemonstrationError
 
 UP = np.array([0.0, -1.0, 0.0])
@@ -200,3 +212,16 @@ def test_an_arbitrary_surface_has_no_plane_of_symmetry(rng):
     skin = view().skin(colour, depth, back)
     aside = RigidSurface(skin.points - np.array([0.0, 0.0, 0.3]), skin.normals)
     assert sagittal_plane(aside, depth, view(), guess) is None
+
+
+def test_a_named_colour_is_learned_again_in_the_light_of_the_recording(tmp_path):
+    pale = (95, 190, 105)  # the named green with a lamp on it
+    folder = write_recording(tmp_path, frames=6, colour=pale)
+    recording = open_rgbd(folder)
+    frames = {k: (f.colour, f.depth) for k, f in enumerate(recording)}
+    options = CaptureOptions(marker_colour=GREEN)
+    colour, radius, places = find_marker(recording, options, frames)
+    np.testing.assert_allclose(colour.rgb, pale, atol=3)
+    # A ball of five pixels' width.
+    assert radius == pytest.approx(RADIUS, abs=4e-3)
+    assert places.shape == (6, 3)
