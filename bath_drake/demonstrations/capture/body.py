@@ -45,8 +45,9 @@ class Body:
         plate: The body without the carer.
         back: (H, W) the back in the plate.
         canonical_map: From the camera's frame (for W) to the back's own.
-        skin: Points and normals of the back and its surroundings.
-        surface: Those of `skin` that are tracked.
+        skin: (n, 3) points of the back and its surroundings, not smoothed: that would
+            bend them inwards at the edge.
+        surface: What is tracked of it, smoothed.
         poses: Of the body in the frames it was made from.
     """
 
@@ -54,7 +55,7 @@ class Body:
     plate: CleanPlate
     back: BoolArray
     canonical_map: CanonicalMap
-    skin: RigidSurface
+    skin: FloatArray
     surface: RigidSurface
     poses: Mapping[int, TrackedPose]
 
@@ -83,8 +84,9 @@ def build_body(
     up = np.array([0.0, -1.0, 0.0]) if up_C is None else up_C
     view = View(camera, low, high, up)
     reference, back = _reference(frames, view, name)
-    skin = view.skin(*frames[reference], back)
-    poses = _follow(frames, camera, _thinned(skin), reference)
+    colour, depth = frames[reference]
+    surface = _thinned(view.surface(depth, view.skin(colour, depth, back)))
+    poses = _follow(frames, camera, surface, reference)
     layers = ((*frames[k], pose) for k, pose in poses.items())
     plate = clean_plate(layers, camera, len(poses), low, high)
     back = view.back(plate.colour, plate.depth)
@@ -97,13 +99,13 @@ def build_body(
             f"it are seen, at least {MIN_BACK_PIXELS} are needed"
         )
     skin = view.skin(plate.colour, plate.depth, back)
-    surface = _thinned(skin)
+    surface = _thinned(view.surface(plate.depth, skin))
     return Body(
         reference=reference,
         plate=plate,
         back=back,
         canonical_map=_canonical_map(plate.depth, back, view, surface),
-        skin=skin,
+        skin=view.points_C(plate.depth)[skin],
         surface=surface,
         poses=_follow(frames, camera, surface, reference),
     )

@@ -123,7 +123,8 @@ def _follow(
     radius: float,
     progress: Callable[[int], None],
 ) -> _Track:
-    camera, count, skin = recording.camera, len(recording), Skin(body.skin)
+    camera, count, own = recording.camera, len(recording), body.canonical_map
+    skin = Skin(body.skin)
     markers_C, contacts = np.full((count, 3), np.nan), np.full((count, 3), np.nan)
     found = _Track([], markers_C, contacts, np.full(count, np.nan), [])
     last: FloatArray | None = None
@@ -146,8 +147,13 @@ def _follow(
         if on_body:
             guess = pose
         if on_body and sight.seen:
-            contact, found.heights[k] = skin.under(pose.from_camera(sight.p_C))
-            contacts[k] = body.canonical_map.plane_from_world(contact)
+            p = pose.from_camera(sight.p_C)
+            under = skin.under(p)
+            if under is None:
+                found.reasons[-1] = "off the skin"
+            else:
+                contacts[k] = own.plane_from_world(under[0])
+                found.heights[k] = under[1]
         progress(k + 1)
     return found
 

@@ -82,16 +82,17 @@ class View:
         points, areas = self.points_C(depth)[back], self.areas(depth, back)[back]
         return fit_canonical_map(points, self.up_C, np.zeros(3), areas)
 
-    def skin(
-        self, colour: ByteArray, depth: FloatArray, back: BoolArray
-    ) -> RigidSurface:
-        """Returns the skin of a back and of a rim around it, smoothed, in C."""
+    def skin(self, colour: ByteArray, depth: FloatArray, back: BoolArray) -> BoolArray:
+        """Returns which pixels (H, W) show the skin of a back and a rim around it."""
         pitch = pixel_pitch(self.points_C(depth), back)
         near = np.abs(depth - float(np.median(depth[back]))) <= RIM_DEPTH
         skin = morphology.dilate(back, RIM / pitch) & near
-        skin &= skin_mask(colour, self.config) | back
-        points, normals = self.smoothed(depth, skin)
-        known = skin & (np.linalg.norm(normals, axis=2) > 0.5)
+        return skin & (skin_mask(colour, self.config) | back)
+
+    def surface(self, depth: FloatArray, mask: BoolArray) -> RigidSurface:
+        """Returns the surface of a mask, smoothed, in C."""
+        points, normals = self.smoothed(depth, mask)
+        known = mask & (np.linalg.norm(normals, axis=2) > 0.5)
         return RigidSurface(points[known], normals[known])
 
     def smoothed(

@@ -59,7 +59,7 @@ def centre_of_marker(x, y):
 
 def test_a_turned_and_shifted_body_is_followed_behind_an_arm(rng):
     colour, depth, back = seen_back(BARE, rng)
-    skin = view().skin(colour, depth, back)
+    skin = view().surface(depth, view().skin(colour, depth, back))
     assert len(skin.points) < 4 * MAX_POINTS
     turn, shift = np.array([0.02, 0.05, -0.02]), np.array([0.006, -0.004, 0.008])
     moved = draw(replace(BARE, turn=turn, shift=shift, hand=(0.05, 0.05)), rng)[1]
@@ -76,7 +76,7 @@ def test_a_turned_and_shifted_body_is_followed_behind_an_arm(rng):
 
 def test_an_empty_picture_holds_no_body(rng):
     colour, depth, back = seen_back(BARE, rng)
-    skin = view().skin(colour, depth, back)
+    skin = view().surface(depth, view().skin(colour, depth, back))
     assert track(skin, np.zeros(CAMERA.shape), CAMERA, AT_REST).share == 0.0
 
 
@@ -173,13 +173,14 @@ def test_a_marker_that_nobody_described_is_the_one_vivid_blob(rng):
 
 def test_the_foot_of_a_ball_on_a_round_back_is_its_contact(rng):
     colour, depth, back = seen_back(BARE, rng)
-    skin = Skin(view().skin(colour, depth, back))
+    skin = Skin(view().points_C(depth)[view().skin(colour, depth, back)])
     for place in [(0.0, 0.0), (0.09, 0.05), (-0.09, -0.1)]:
         foot, height = skin.under(centre_of_marker(*place))
         truth = contact(*place)[0] + [0.0, 0.0, DISTANCE]
-        # A disc of 4 cm of a back that bends by 10 degrees in it.
+        # A quadric of some forty points of 1 mm noise.
         np.testing.assert_allclose(foot, truth, atol=4e-3)
         assert height == pytest.approx(RADIUS, abs=3e-3)
+    assert Skin(np.zeros((3, 3))).under(np.ones(3)) is None
 
 
 @pytest.mark.parametrize("turn", [-0.25, 0.0, 0.2])
@@ -187,7 +188,7 @@ def test_a_back_seen_from_one_side_has_the_box_of_the_whole(turn, rng):
     scene = replace(BARE, turn=np.array([0.0, turn, 0.0]))
     colour, depth, back = seen_back(scene, rng)
     guess = view().first_map(depth, back)
-    skin = view().skin(colour, depth, back)
+    skin = view().surface(depth, view().skin(colour, depth, back))
     plane = sagittal_plane(skin, depth, view(), guess)
     assert plane is not None
     n, d = plane
@@ -209,7 +210,7 @@ def test_a_back_seen_from_one_side_has_the_box_of_the_whole(turn, rng):
 def test_an_arbitrary_surface_has_no_plane_of_symmetry(rng):
     colour, depth, back = seen_back(BARE, rng)
     guess = view().first_map(depth, back)
-    skin = view().skin(colour, depth, back)
+    skin = view().surface(depth, view().skin(colour, depth, back))
     aside = RigidSurface(skin.points - np.array([0.0, 0.0, 0.3]), skin.normals)
     assert sagittal_plane(aside, depth, view(), guess) is None
 
