@@ -131,6 +131,7 @@ def test_what_is_left_at_a_key_frame_is_the_chain_from_there(run):
         assert np.linalg.norm(data.path_from(frame)[-1] - chain.goal) < 1e-2
 
 
+@pytest.mark.slow
 def test_the_page_of_a_composed_skill_names_its_fields(run):
     text = write_report(run).read_text()
     assert "in 3 fields, followed in turn" in text

@@ -218,8 +218,14 @@ def start(out, **environment):
     )
 
 
-@pytest.mark.slow
-def test_twenty_kills_change_no_bit(tmp_path):
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        pytest.param(6, marks=pytest.mark.slow),
+        pytest.param(20, marks=pytest.mark.exhaustive),
+    ],
+)
+def test_kills_change_no_bit(wanted, tmp_path):
     undisturbed = tmp_path / "whole.yaml"
     assert start(undisturbed).wait() == 0  # with a compiler's time, perhaps
     undisturbed.unlink()
@@ -229,7 +235,7 @@ def test_twenty_kills_change_no_bit(tmp_path):
     out, kept = tmp_path / "s.yaml", tmp_path / "s.checkpoint"
     moments = random.Random(6)
     kills = ends = found = 0
-    while kills < 20:
+    while kills < wanted:
         process = start(out)
         while process.poll() is None and not kept.exists():
             time.sleep(0.01)

@@ -118,6 +118,12 @@ def _find_basins(
     starts = np.stack([x.ravel(), y.ravel()], axis=1)
     kinds = np.full(len(starts), -1)
     free = np.flatnonzero(min_beta(starts, field) > 0.0)
+    low, high = centre - semi, centre + semi
+    extent = (low[0], high[0], low[1], high[1])
+    if not min_beta(field.goal, field) > 0.0:
+        # Nothing arrives at a goal that is covered or outside.
+        kinds[free] = _STALLED
+        return _Basins(extent, kinds.reshape(count, count))
     statuses, ends = rollout_ends(
         starts[free], field, step=float(semi.min()) / 100.0, max_steps=4000
     )
@@ -125,8 +131,7 @@ def _find_basins(
         _GOAL if status is RolloutStatus.ARRIVED else _end_kind(end, certificate)
         for status, end in zip(statuses, ends, strict=True)
     ]
-    low, high = centre - semi, centre + semi
-    return _Basins((low[0], high[0], low[1], high[1]), kinds.reshape(count, count))
+    return _Basins(extent, kinds.reshape(count, count))
 
 
 def _end_kind(end: FloatArray, certificate: Certificate) -> int:

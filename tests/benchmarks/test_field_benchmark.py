@@ -102,7 +102,7 @@ def test_progress_rises_from_none_to_all(measured):
     assert seen[-1] == ("done", 1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_fresh_interpreter_tells_its_first_call():
     cold, warm = fresh.first_calls(1)
     assert set(cold) == set(warm) == {"numba", "call", "cpu"}

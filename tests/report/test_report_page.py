@@ -72,6 +72,7 @@ def test_a_wound_adds_its_clearance(page, wounded_page):
     }
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_path_of_the_same_page(run_folder, page_text, capsys):
     assert main(["report", str(run_folder)]) == 0
     path = run_folder / "report.html"
