@@ -98,9 +98,8 @@ def _draw_canonical(
         axes.plot(
             *raw[stroke.filled].T, "x", color=style.INK, ms=6, label="filled (≤ 0.2 s)"
         )
-    axes.plot(
-        *learned.points.T, color=style.REPRODUCTION, lw=1.3, label="stroke, denoised"
-    )
+    what = "stroke" if learned.periodic is None else "stroke without its cycles"
+    axes.plot(*learned.points.T, color=style.REPRODUCTION, lw=1.3, label=what)
     label: str | None = "gap"
     for gap in stroke.gaps:
         if not gap.filled:
