@@ -284,7 +284,9 @@ def _trimmed(
 ) -> BoolArray:
     """Cuts off shoulder tops, the neck's stump and what hangs below the waist."""
     normals = pixel_normals(points_W, torso, 2)
-    torso = torso & (normals @ UP_W <= config.max_rise)
+    # A hole that belongs to the back may hold pixels without depth.
+    torso = torso & np.isfinite(points_W[..., 0])
+    torso &= normals @ UP_W <= config.max_rise
     points = points_W[torso]
     if len(points) < MIN_POINTS:
         return np.zeros_like(torso)

@@ -128,3 +128,16 @@ def test_the_backs_of_four_people_are_found(render_person):
     # Measured 0.91 to 0.94.
     assert np.mean(overlaps) >= 0.9
     assert min(overlaps) >= 0.85
+
+
+def test_a_hole_with_a_pixel_without_depth_is_survived(draw_frame):
+    frame = draw_frame()
+    found = frame.observe()
+    rows, columns = np.nonzero(found.mask)
+    row, column = int(np.median(rows)), int(np.median(columns))
+    # A wound of 15 by 15 pixels, of which one has no depth.
+    frame.colour[row - 7 : row + 8, column - 7 : column + 8, :3] = (40, 200, 40)
+    frame.depth[row, column] = 0.0
+    again = frame.observe()
+    assert again.found
+    assert np.isfinite(again.points_W).all()
