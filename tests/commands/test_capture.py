@@ -147,11 +147,12 @@ def test_damaged_recordings_are_refused_with_the_file(filmed, tmp_path, capsys):
     assert "000012" in refused(capsys, tmp_path, folder)
 
 
-def test_depth_in_other_units_is_refused(filmed, tmp_path, capsys):
+@pytest.mark.parametrize("wrong", [{"depth_scale": 100.0}, {"fx": 420.0, "fy": 420.0}])
+def test_another_cameras_intrinsics_are_refused(filmed, tmp_path, capsys, wrong):
     folder = tmp_path / "wrong"
     shutil.copytree(filmed, folder)
     path = folder / "intrinsics.json"
-    numbers = json.loads(path.read_text()) | {"depth_scale": 100.0}
+    numbers = json.loads(path.read_text()) | wrong
     path.write_text(json.dumps(numbers))
     err = refused(capsys, tmp_path, folder, "--marker-colour", "20,190,40")
     assert "depth_scale" in err

@@ -30,6 +30,8 @@ MAX_POINTS = 4000
 # show less of a back. Where most shows an arm counts in.
 REFERENCE_FRAMES, REFERENCE_RANK = 14, 0.7
 MIN_BACK_PIXELS = 400
+# How wide and how long a back may be, child's or giant's, m.
+SIZES = ((0.16, 0.6), (0.2, 0.8))
 # A frame shows the body if so much of its surface is found.
 MIN_SHARE = 0.3
 
@@ -100,11 +102,13 @@ def build_body(
         )
     skin = view.skin(plate.colour, plate.depth, back)
     surface = _thinned(view.surface(plate.depth, skin))
+    own = _canonical_map(plate.depth, back, view, surface)
+    _check_size(own, name)
     return Body(
         reference=reference,
         plate=plate,
         back=back,
-        canonical_map=_canonical_map(plate.depth, back, view, surface),
+        canonical_map=own,
         skin=view.points_C(plate.depth)[skin],
         surface=surface,
         poses=_follow(frames, camera, surface, reference),
@@ -137,6 +141,17 @@ def _canonical_map(
     first = view.first_map(depth, back)
     plane = sagittal_plane(surface, depth, view, first)
     return first if plane is None else symmetric_map(depth, back, view, *plane)
+
+
+def _check_size(own: CanonicalMap, name: str) -> None:
+    sizes = zip(own.half_extents.tolist(), SIZES, strict=True)
+    if not all(low <= 2.0 * half <= high for half, (low, high) in sizes):
+        found = " x ".join(f"{2e2 * half:.0f}" for half in own.half_extents.tolist())
+        allowed = " x ".join(f"{1e2 * low:.0f}-{1e2 * high:.0f}" for low, high in SIZES)
+        raise DemonstrationError(
+            f"{name}: found a back of {found} cm, allowed: {allowed} cm (other "
+            "intrinsics or depth_scale?)"
+        )
 
 
 def _thinned(skin: RigidSurface) -> RigidSurface:
