@@ -7,7 +7,6 @@ import pytest
 
 from bath_drake.carer.config import RubbingConfig
 from bath_drake.carer_recording import record_carer
-from bath_drake.commands._options import recording_writer
 from bath_drake.demonstrations.capture.demonstration import demonstration
 from bath_drake.demonstrations.capture.options import CaptureOptions
 from bath_drake.demonstrations.capture.pipeline import capture
@@ -15,6 +14,7 @@ from bath_drake.demonstrations.processing import canonical_demonstrations
 from bath_drake.demonstrations.rgbd.folder import open_rgbd
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.scenario import load_scenario
+from bath_drake.scene.sensing import begin_recording
 
 WAYPOINTS = [[-0.6, 0.5], [0.1, 0.6], [0.55, 0.1], [-0.2, 0.0], [-0.5, -0.45]]
 
@@ -28,7 +28,7 @@ def film(folder, person, rubbing, seed):
     carer.demonstration, carer.waypoints = None, WAYPOINTS
     carer.seconds, carer.pause, carer.rubbing = 4.0, 0.4, rubbing
     scenario.perception.camera_rate = 7.5
-    return record_carer(recording_writer(folder, scenario), scenario)
+    return record_carer(begin_recording(folder, scenario.scene.camera), scenario)
 
 
 def figures(folder, truth):

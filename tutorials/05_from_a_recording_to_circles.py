@@ -19,7 +19,6 @@ import numpy as np
 
 from bath_drake.carer.config import RubbingConfig
 from bath_drake.carer_recording import record_carer
-from bath_drake.commands._options import recording_writer
 from bath_drake.control.approach import Phase
 from bath_drake.demonstrations.capture.demonstration import demonstration
 from bath_drake.demonstrations.capture.options import CaptureOptions
@@ -34,6 +33,7 @@ from bath_drake.learning.periodic import learn_cycle
 from bath_drake.report.capture_figure import draw_capture
 from bath_drake.report.cycle_figure import draw_cycle
 from bath_drake.scenario import load_scenario
+from bath_drake.scene.sensing import begin_recording
 from bath_drake.simulation import run
 from bath_drake.skill_file import skill_from_result
 from bath_drake.verification import evaluate
@@ -56,7 +56,7 @@ scenario.perception.camera_rate = 10.0
 
 folder = tempfile.TemporaryDirectory()
 film = Path(folder.name) / "film"
-truth = record_carer(recording_writer(film, scenario), scenario)
+truth = record_carer(begin_recording(film, scenario.scene.camera), scenario)
 recording = open_rgbd(film)
 print(f"{len(recording)} frames; the marker is to be seen in {truth.seen}")
 

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 from pydrake.geometry import Meshcat
 from tqdm import tqdm
 
@@ -22,6 +21,7 @@ from bath_drake.run_folder import (
     verdict_lines,
 )
 from bath_drake.scenario import Scenario
+from bath_drake.scene.sensing import begin_recording
 from bath_drake.simulation import Progress
 
 
@@ -49,20 +49,12 @@ def record_and_report(folder: Path, scenario: Scenario) -> int:
     check_recording_output(folder)
     # Whatever is wrong with the scenario is told before the folder is made.
     build_recording(scenario)
-    writer = recording_writer(folder, scenario)
+    writer = begin_recording(folder, scenario.scene.camera)
     with simulation_bar(scenario.duration, "recording") as progress:
         truth = record_carer(writer, scenario, progress)
     print(recording_line(writer))
     print(f"marker:   to be seen in {truth.seen} of {len(truth.t)} frames")
     return 0
-
-
-def recording_writer(folder: Path, scenario: Scenario) -> RgbdWriter:
-    """Begins a recording of a scenario's camera; DemonstrationError if it cannot be."""
-    camera = scenario.scene.camera
-    X_WC = np.eye(4)
-    X_WC[:3, :3], X_WC[:3, 3] = camera.rotation(), camera.eye
-    return RgbdWriter(folder, camera.pinhole(), X_WC)
 
 
 def recording_line(writer: RgbdWriter) -> str:
@@ -89,7 +81,7 @@ def run_and_report(
     if record is not None:
         check_recording_output(record)
     make_run_folder(folder)
-    writer = None if record is None else recording_writer(record, scenario)
+    writer = None if record is None else begin_recording(record, scenario.scene.camera)
     # Drake sets its own level on import; the address is printed below if wanted.
     logging.getLogger("drake").setLevel(logging.WARNING)
     meshcat = Meshcat()

@@ -1,10 +1,21 @@
 """What stands between the rendering camera and those who use its images."""
 
+from pathlib import Path
+
+import numpy as np
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 
+from bath_drake.demonstrations.rgbd.writer import RgbdWriter
 from bath_drake.scene.config import CameraConfig
 from bath_drake.systems.frame_recorder import FrameRecorder, WriteFrame
 from bath_drake.systems.kinect_noise import KinectNoise
+
+
+def begin_recording(folder: Path, config: CameraConfig) -> RgbdWriter:
+    """Begins a recording of a scene's camera; DemonstrationError if it cannot be."""
+    X_WC = np.eye(4)
+    X_WC[:3, :3], X_WC[:3, 3] = config.rotation(), config.eye
+    return RgbdWriter(folder, config.pinhole(), X_WC)
 
 
 def add_depth_noise(
