@@ -68,7 +68,7 @@ def test_the_wheel_carries_the_reports_templates(unpacked, tmp_path):
     assert sorted(names) == sorted(path.name for path in shipped.iterdir())
 
 
-@pytest.mark.exhaustive  # two minutes: the numba kernels are compiled anew, for no cache is in a wheel
+@pytest.mark.exhaustive  # kernels are compiled anew: no cache is in a wheel
 def test_a_report_is_written_from_the_wheel_alone(unpacked, tmp_path):
     folder = write_run(tmp_path / "run", Scenario(description="A made-up run."))
     program = (
