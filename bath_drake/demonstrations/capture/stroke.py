@@ -1,6 +1,5 @@
 """The marker's track on the back: cut to the stroke, its gaps filled or reported."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -33,11 +32,6 @@ class CapturedStroke:
     gaps: tuple[Gap, ...]
     first: int
     last: int
-
-    @property
-    def complete(self) -> bool:
-        """Whether no gap is left open."""
-        return all(gap.filled for gap in self.gaps)
 
 
 def cut_stroke(
@@ -73,8 +67,3 @@ def cut_stroke(
     kept = np.flatnonzero(seen | filled)
     kept = kept[(kept >= first) & (kept <= last)]
     return CapturedStroke(t[kept], points[kept], filled[kept], gaps, first, last)
-
-
-def duration(gaps: Sequence[Gap]) -> float:
-    """Returns how long gaps last together, s."""
-    return math.fsum(gap.end - gap.start for gap in gaps)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bath_drake.demonstrations.capture.stroke import cut_stroke, duration
+from bath_drake.demonstrations.capture.stroke import cut_stroke
 
 RATE = 15.0
 
@@ -25,7 +25,6 @@ def test_a_whole_track_stays_as_it_is():
     stroke = cut_stroke(t, points, heights, reasons)
     np.testing.assert_array_equal(stroke.points, points)
     assert stroke.gaps == ()
-    assert stroke.complete
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3])
@@ -38,8 +37,7 @@ def test_a_short_gap_is_filled_along_the_bend(frames):
     # A cubic through four neighbours a side; the bend's fifth derivative is small.
     np.testing.assert_allclose(stroke.points, whole, atol=1e-5)
     np.testing.assert_array_equal(np.flatnonzero(stroke.filled), list(hidden))
-    assert stroke.complete
-    assert len(stroke.gaps) == 1
+    assert [gap.filled for gap in stroke.gaps] == [True]
 
 
 def test_a_long_gap_stays_open_and_is_reported():
@@ -48,8 +46,6 @@ def test_a_long_gap_stays_open_and_is_reported():
     assert not gap.filled
     assert gap.reason == "hidden"
     assert (gap.start, gap.end) == pytest.approx((19 / RATE, 24 / RATE))
-    assert duration(stroke.gaps) == pytest.approx(5 / RATE)
-    assert not stroke.complete
     assert stroke.t.size == 41
     assert np.isfinite(stroke.points).all()
 
