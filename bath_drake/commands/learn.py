@@ -72,7 +72,10 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake import __version__
     from bath_drake.commands._progress import progress_bar
     from bath_drake.commands._signals import stopping
-    from bath_drake.demonstrations.processing import canonical_demonstrations
+    from bath_drake.demonstrations.processing import (
+        canonical_demonstrations,
+        without_strays,
+    )
     from bath_drake.demonstrations.recording import read_recording
     from bath_drake.errors import BathDrakeError
     from bath_drake.learning.checkpoint import Checkpoint
@@ -86,11 +89,12 @@ def run(options: argparse.Namespace) -> int:
     _check_outputs(options.output, options.files)
     config = _config(options)
     recordings = [read_recording(path) for path in options.files]
-    demonstrations, frame = canonical_demonstrations(recordings)
+    found, frame = canonical_demonstrations(recordings)
+    demonstrations = without_strays(found)
     hashes = [demonstration.sha256 for demonstration in demonstrations]
     identity = _identity(asdict(config), hashes, frame)
     kept = checkpoint_path(options.output)
-    if options.held_out and len(recordings) < 2:
+    if options.held_out and len(demonstrations) < 2:
         raise BathDrakeError(
             "--held-out: found one demonstration, to hold one out needs two or more"
         )
@@ -107,7 +111,8 @@ def run(options: argparse.Namespace) -> int:
     # The learner's messages are to name the files.
     strokes = [
         replace(demonstration, name=str(recording.path))
-        for demonstration, recording in zip(demonstrations, recordings, strict=True)
+        for demonstration, recording in zip(found, recordings, strict=True)
+        if not demonstration.stray
     ]
     with (
         Checkpoint(
@@ -158,7 +163,9 @@ def run(options: argparse.Namespace) -> int:
         finished = result.finished and (held_out is None or held_out.finished)
         if finished:
             checkpoint.remove()
-    lines = [*_table(result, demonstrations), *_periodic_table(periodic)]
+    lines = _table(result, demonstrations)
+    lines += [f"  {d.name}: LEFT OUT, {d.stray}" for d in found if d.stray]
+    lines += _periodic_table(periodic)
     lines += _ring_table(generalised)
     if held_out is not None:
         lines += _held_out_table(held_out)

@@ -98,17 +98,22 @@ def _told(recording: "Recording", d: "CanonicalDemonstration") -> list[str]:
 
 def _left_out(demonstrations: Sequence["CanonicalDemonstration"]) -> list[str]:
     """Which would be left out by `learn`, and why."""
+    from bath_drake.demonstrations.processing import without_strays
     from bath_drake.learning.grouping import group_strokes
     from bath_drake.learning.periodic import learn_cycle
     from bath_drake.learning.strokes import gather_strokes
 
-    strokes = gather_strokes(demonstrations)
-    names = [d.name for d in demonstrations]
+    together = without_strays(demonstrations)
+    strokes = gather_strokes(together)
+    names = [d.name for d in together]
     groups, outliers = group_strokes(strokes.points, strokes.scale, names)
-    lines = [f"left out by learn: {o.name}: {o.reason}" for o in outliers]
+    lines = [
+        f"left out by learn: {d.name}: {d.stray}" for d in demonstrations if d.stray
+    ]
+    lines += [f"left out by learn: {o.name}: {o.reason}" for o in outliers]
     lines += [
         f"not for the cycle: {o.name}: {o.reason}"
-        for o in learn_cycle(demonstrations).left_out
+        for o in learn_cycle(together).left_out
     ]
     if len(groups) > 1:
         told = "; ".join(", ".join(names[i] for i in group) for group in groups)

@@ -147,6 +147,8 @@ class CanonicalDemonstration:
         goal_offset: What was taken from the denoised path to bring its end to
             the common goal, shape (2,), in N.
         periodic: What was taken off before `points` were made; None if nothing was.
+        stray: Why it does not belong to the others it was read with; empty if it does.
+            A stray is not moved to the common goal.
     """
 
     name: str
@@ -156,6 +158,7 @@ class CanonicalDemonstration:
     sha256: str
     goal_offset: FloatArray = field(default_factory=lambda: np.zeros(2))
     periodic: PeriodicPart | None = None
+    stray: str = ""
 
     def __post_init__(self) -> None:
         for name in ("times", "points", "raw", "goal_offset"):

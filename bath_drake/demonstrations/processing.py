@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bath_drake.demonstrations.agreement import find_strays
 from bath_drake.demonstrations.canonical import (
     CanonicalDemonstration,
     CanonicalFrame,
@@ -40,7 +41,9 @@ def canonical_demonstrations(
 
     With body boxes each recording goes through its own box, and the frame returned
     is the first one's. Without, all share the best plane of all paths (or the plane
-    they were recorded in). Each demonstration is moved as a whole so that all end
+    they were recorded in). One that does not belong to the others (broken off, the
+    other way round, there twice) is marked as a stray and told by a warning (see
+    `agreement`). Each other one is moved as a whole so that all end
     at their mean goal; `goal_offset` keeps by how much.
 
     Args:
@@ -90,16 +93,21 @@ def canonical_demonstrations(
         _resampled(path, frame, count)
         for path, frame in zip(smooth, frames, strict=True)
     ]
-    goal = np.mean([points[-1] for _, points in resampled], axis=0)
+    strays = _strays(recordings, [points for _, points in resampled])
+    ends = [points[-1] for i, (_, points) in enumerate(resampled) if i not in strays]
+    goal = np.mean(ends, axis=0)
     demonstrations = []
-    for recording, part, frame, (times, points) in zip(
-        recordings, parts, frames, resampled, strict=True
+    for i, (recording, part, frame, (times, points)) in enumerate(
+        zip(recordings, parts, frames, resampled, strict=True)
     ):
         _check_on_body(recording, points)
-        offset = points[-1] - goal
+        offset = np.zeros(2) if i in strays else points[-1] - goal
         moved = points - offset
-        # Rounding apart, one goal: all end on the same bits.
-        moved[-1] = goal
+        if i in strays:
+            _log.warning("%s: left out, it %s", recording.path, strays[i])
+        else:
+            # Rounding apart, one goal: all end on the same bits.
+            moved[-1] = goal
         demonstrations.append(
             CanonicalDemonstration(
                 name=recording.name,
@@ -109,9 +117,29 @@ def canonical_demonstrations(
                 sha256=recording.sha256,
                 goal_offset=offset,
                 periodic=_periodic(part, frame),
+                stray=strays.get(i, ""),
             )
         )
     return tuple(demonstrations), frames[0]
+
+
+def without_strays(
+    demonstrations: Sequence[CanonicalDemonstration],
+) -> tuple[CanonicalDemonstration, ...]:
+    """Those that belong together, in their order."""
+    return tuple(d for d in demonstrations if not d.stray)
+
+
+def _strays(
+    recordings: Sequence[Recording], paths: Sequence[FloatArray]
+) -> dict[int, str]:
+    return find_strays(
+        starts=np.array([path[0] for path in paths]),
+        ends=np.array([path[-1] for path in paths]),
+        scale=float(np.ptp(np.concatenate(paths), axis=0).max()),
+        names=[recording.name for recording in recordings],
+        hashes=[recording.sha256 for recording in recordings],
+    )
 
 
 def _separated(recording: Recording) -> Separation:

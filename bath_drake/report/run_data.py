@@ -13,7 +13,10 @@ from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.approach import Phase
 from bath_drake.control.staging import around_areas, gate_at, remaining
 from bath_drake.demonstrations.canonical import CanonicalDemonstration
-from bath_drake.demonstrations.processing import canonical_demonstrations
+from bath_drake.demonstrations.processing import (
+    canonical_demonstrations,
+    without_strays,
+)
 from bath_drake.demonstrations.recording import read_recording
 from bath_drake.errors import BathDrakeError, RunFolderError
 from bath_drake.learning.generalisation import (
@@ -161,7 +164,8 @@ def _demonstrations(
     paths = [find_demonstration(name) for name in scenario.demonstrations]
     if not paths or not all(path.is_file() for path in paths):
         return ()
-    demonstrations, _ = canonical_demonstrations([read_recording(p) for p in paths])
+    found, _ = canonical_demonstrations([read_recording(p) for p in paths])
+    demonstrations = without_strays(found)
     if {d.sha256 for d in demonstrations} != set(skill.demonstration_hashes):
         return ()
     return demonstrations
