@@ -92,8 +92,14 @@ def build_body(
     layers = ((*frames[k], pose) for k, pose in poses.items())
     plate = clean_plate(layers, camera, len(poses), low, high)
     back = view.back(plate.colour, plate.depth)
-    if up_C is None and back.sum() >= MIN_BACK_PIXELS:
-        view = View(camera, low, high, view.first_map(plate.depth, back).R_WP[:, 1])
+    if back.sum() >= MIN_BACK_PIXELS:
+        # Where shoulders end hangs on what is up. A body that leans to and fro shows
+        # another end in every frame, unless its own direction to the head counts too.
+        up = view.first_map(plate.depth, back).R_WP[:, 1]
+        if up_C is not None:
+            mean = np.mean([pose.R.T @ up_C for pose in poses.values()], axis=0)
+            up = up + mean / np.linalg.norm(mean)
+        view = View(camera, low, high, up)
         back = view.back(plate.colour, plate.depth)
     if back.sum() < MIN_BACK_PIXELS:
         raise DemonstrationError(

@@ -13,7 +13,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from bath_drake.demonstrations.capture.rigid_tracking import TrackedPose
-from bath_drake.notation import ByteArray, FloatArray
+from bath_drake.notation import BoolArray, ByteArray, FloatArray
+from bath_drake.perception import morphology
 from bath_drake.perception.camera import PinholeCamera
 
 # Depths within this of one another are one surface, m.
@@ -22,6 +23,9 @@ LAYER = 0.025
 MIN_SEEN = 3
 # ... and the farthest one is the body's that has this share of the most frequent.
 MIN_SHARE = 0.5
+# Under a hand that lingers it has less: this share, so many pixels off the body's edge,
+# where what is farther is the room; there, neighbours are so far apart, m.
+LINGERING_SHARE, EDGE, EDGE_JUMP = 0.15, 4.0, 0.06
 
 # Half the memory of doubles: all frames are kept side by side.
 Layers = NDArray[np.float32]
@@ -64,7 +68,25 @@ def clean_plate(
     colours = np.zeros((*camera.shape, count, 3), dtype=np.uint8)
     for k, (colour, depth, pose) in enumerate(frames):
         _lay(colour, depth, pinhole, pose.R, pose.p, low, high, depths, colours, k)
-    return CleanPlate(*_farthest_layer(depths, colours))
+    colour, depth, seen = _farthest_layer(depths, colours, MIN_SHARE)
+    below = _farthest_layer(depths, colours, LINGERING_SHARE)
+    deeper = below[1] - depth
+    edge = morphology.dilate(_jumps(below[1]), EDGE)
+    hand = (deeper > 0.0) & (depth > 0.0) & ~edge
+    colour[hand], depth[hand], seen[hand] = (part[hand] for part in below)
+    return CleanPlate(colour, depth, seen)
+
+
+def _jumps(depth: FloatArray) -> BoolArray:
+    """Where neighbours are on different surfaces, or not known."""
+    jumps: BoolArray = depth == 0.0
+    for axis in (0, 1):
+        far = np.abs(np.diff(depth, axis=axis)) > EDGE_JUMP
+        if axis == 0:
+            jumps[1:] |= far
+        else:
+            jumps[:, 1:] |= far
+    return jumps
 
 
 @njit(cache=True)
@@ -110,7 +132,7 @@ def _lay(
 
 @njit(cache=True)
 def _farthest_layer(
-    depths: Layers, colours: ByteArray
+    depths: Layers, colours: ByteArray, share: float
 ) -> tuple[ByteArray, FloatArray, FloatArray]:
     rows, columns, count = depths.shape
     colour = np.zeros((rows, columns, 3), dtype=np.uint8)
@@ -134,7 +156,7 @@ def _farthest_layer(
                     size = last - first + 1
                     if turn == 0:
                         most = max(most, size)
-                    elif size >= max(MIN_SHARE * most, MIN_SEEN) and (
+                    elif size >= max(share * most, MIN_SEEN) and (
                         size >= best or sample[order[first]] > sample[order[best_last]]
                     ):
                         best_first, best_last, best = first, last, size
