@@ -95,6 +95,21 @@ def test_the_clean_plate_shows_the_body_without_what_moves_before_it(rng):
     assert np.all(plate.seen <= len(frames))
 
 
+def test_under_a_hand_that_lingers_the_plate_shows_the_skin_all_the_same(rng):
+    free, hand = replace(BARE, hand=(0.1, 0.15)), replace(BARE, hand=(-0.05, 0.0))
+    scenes = [free] * 4 + [hand] * 16
+    frames = [(*draw(scene, rng), AT_REST) for scene in scenes]
+    low, high = np.array([-1, -1, 0.3]), np.array([1, 1, 1.5])
+    plate = clean_plate(frames, CAMERA, len(frames), low, high)
+    _, there = draw(BARE)
+    _, before = draw(hand)
+    hidden = (before > 0.0) & (before < there - 0.03) & view().back(*draw(BARE))
+    assert hidden.sum() > 50
+    # At its own edge a hand's pixels mix with the skin's.
+    right = np.abs(plate.depth - there)[hidden] < 4e-3
+    assert right.mean() > 0.9
+
+
 def test_a_pose_that_is_not_at_rest_is_undone_in_the_plate(rng):
     shift = np.array([0.02, 0.0, 0.0])
     pose = TrackedPose(np.eye(3), shift, 1.0, 0.0)
