@@ -25,6 +25,7 @@ from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.wound import signed_polygon_distance, wound_patch
+from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.scenario import Limits, Scenario
@@ -113,7 +114,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     world = certify_world(driven_world(log), log.certified_start[-1])
     metrics: dict[str, Any] = {
         "frechet": _frechet(skill, executed - offsets, path),
-        "periodic": _periodic(skill, executed - reference, offsets),
+        "periodic": washed_cycles(skill.periodic, executed - reference, offsets),
         "stages": _stages(log, skill),
         "certificate": _certificate(log, world),
         "reached_goal": log.outcome == LoopOutcome.GOAL_REACHED.name,
@@ -181,31 +182,6 @@ def _nozzle_in_mesh(
         )
         tips[row], jets[row] = X_ME.translation(), X_ME.rotation().col(2)
     return tips, jets
-
-
-def _periodic(
-    skill: Skill, around: FloatArray, offsets: FloatArray
-) -> dict[str, float] | None:
-    """How much of the cycles that were asked for was washed; None without any.
-
-    Args:
-        skill: Has the cycle that was learned.
-        around: Washed points (n, 2) from the discrete motion's, in N.
-        offsets: What was asked for, (n, 2), in N.
-    """
-    if skill.periodic is None or not offsets.any():
-        return None
-    around = around - around.mean(axis=0)
-    axis = np.linalg.svd(offsets, full_matrices=False)[2][0]
-    swings = np.sign(offsets @ axis)
-    crossings = np.count_nonzero(np.diff(swings[swings != 0.0]))
-    return {
-        "cycles": float(crossings / 2.0),
-        "gain": float(np.sum(around * offsets) / np.sum(offsets**2)),
-        "asked_share": float(
-            np.quantile(np.linalg.norm(offsets, axis=1), 0.95) / skill.periodic.radius
-        ),
-    }
 
 
 def _frechet(

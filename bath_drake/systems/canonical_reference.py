@@ -3,10 +3,10 @@
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from bath_drake.control.approach import Phase
 from bath_drake.control.reference import next_reference
 from bath_drake.notation import FloatArray
-from bath_drake.systems._ports import drake_vector, eval_scalar, eval_vector
+from bath_drake.systems._ports import drake_vector, eval_vector
+from bath_drake.systems._standstill import stands_still
 
 
 class CanonicalReference(LeafSystem):
@@ -64,15 +64,8 @@ class CanonicalReference(LeafSystem):
         """Puts the reference, shape (2,), into this system's own `context`."""
         context.SetDiscreteState(drake_vector(start))
 
-    def _stands_still(self, context: Context) -> bool:
-        if self._hold.HasValue(context) and eval_scalar(self._hold, context) > 0.5:
-            return True
-        return self._phase.HasValue(context) and (
-            eval_scalar(self._phase, context) != Phase.WASH
-        )
-
     def _update(self, context: Context, state: DiscreteValues) -> None:
-        if self._stands_still(context):
+        if stands_still(self._phase, self._hold, context):
             return
         reference = next_reference(
             drake_vector(context.get_discrete_state_vector().CopyToVector()),

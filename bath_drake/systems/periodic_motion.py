@@ -13,7 +13,6 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from bath_drake.control.approach import Phase
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import FloatArray
@@ -27,6 +26,7 @@ from bath_drake.systems._ports import (
     eval_vector,
     set_vector,
 )
+from bath_drake.systems._standstill import stands_still
 
 
 class PeriodicMotion(LeafSystem):
@@ -175,13 +175,6 @@ class PeriodicMotion(LeafSystem):
             margin=self._margin,
         )
 
-    def _stands_still(self, context: Context) -> bool:
-        if self._hold.HasValue(context) and eval_scalar(self._hold, context) > 0.5:
-            return True
-        return self._phase.HasValue(context) and (
-            eval_scalar(self._phase, context) != Phase.WASH
-        )
-
     def _calc_offset(self, context: Any, output: Any) -> None:
         q = eval_vector(self._p_NQ, context)
         rhythm = self.rhythm(context)
@@ -190,7 +183,7 @@ class PeriodicMotion(LeafSystem):
     def _calc_step(self, context: Any, output: Any) -> None:
         velocity = eval_vector(self._v_NQ, context)
         rhythm = self.rhythm(context)
-        if self._stands_still(context):
+        if stands_still(self._phase, self._hold, context):
             output.set_value((rhythm, velocity))
             return
         q = eval_vector(self._p_NQ, context)
