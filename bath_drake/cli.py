@@ -82,7 +82,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(_command(options.verb).run(options))
     except BathDrakeError as error:
-        print(f"bath-drake {options.verb}: {error}", file=sys.stderr)
+        # Names out of hostile files break no line and move no cursor.
+        told = "".join(c if c.isprintable() else "?" for c in str(error))
+        print(f"bath-drake {options.verb}: {told}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print(f"bath-drake {options.verb}: interrupted", file=sys.stderr)

@@ -1,6 +1,7 @@
 """`bath-drake import`: a demonstration out of another program's recording."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,9 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--body-markers",
         metavar="A,B,C,D",
-        help="C3D: right and left shoulder, right and left hip (RSHO,LSHO,RPSI,LPSI)",
+        help="C3D: right and left shoulder, right and left hip (RSHO,LSHO,RPSI,LPSI); "
+        "none: the path in the laboratory",
     )
     parser.add_argument("--topic", metavar="NAME", help="bag: the hand's poses")
+    parser.add_argument(
+        "--motion", metavar="NAME", help="MMM: the person's, where there are several"
+    )
     parser.add_argument("--segment", metavar="NAME", help="MMM: the hand's segment")
     parser.add_argument(
         "--model", metavar="MODEL.xml", help="MMM: the model file with the kinematics"
@@ -97,11 +102,15 @@ def _import_options(options: argparse.Namespace) -> "ImportOptions":
     body: tuple[str, ...] = ()
     if options.body_markers is not None:
         body = tuple(name.strip() for name in options.body_markers.split(","))
-        if len(body) != 4 or not all(body):
+        if body != ("none",) and not (len(body) == 4 and all(body)):
             raise DemonstrationError(
                 f"--body-markers: found {options.body_markers!r}, expected four names "
-                "with commas between"
+                "with commas between, or none"
             )
+    for name in ("start", "end"):
+        cut = getattr(options, name)
+        if cut is not None and not math.isfinite(cut):
+            raise DemonstrationError(f"--{name}: found {cut}, expected a finite number")
     columns = {
         key: getattr(options, f"column_{key}") for key in ("t", "x", "y", "z", "points")
     }
@@ -112,6 +121,7 @@ def _import_options(options: argparse.Namespace) -> "ImportOptions":
         marker=options.marker or "",
         body_markers=body,
         topic=options.topic or "",
+        motion=options.motion or "",
         segment=options.segment or "",
         model=options.model or "",
         start=options.start,
@@ -138,5 +148,6 @@ def _summary(found: "Imported", output: Path) -> list[str]:
     for gap in found.gaps:
         what = "filled" if gap.filled else "LEFT OPEN, longer than 0.2 s"
         lines.append(f"gap:      {gap.start:.2f} to {gap.end:.2f} s: {what}")
+    lines += [f"note:     {note}" for note in found.notes]
     lines.append(f"written:  {output}, {output.with_suffix('.yaml')}")
     return lines

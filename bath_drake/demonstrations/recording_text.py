@@ -12,6 +12,7 @@ from bath_drake.yaml_io import dump_yaml
 
 # Micrometres and microseconds are finer than any tracker.
 _DIGITS = 6
+RESOLUTION = 1e-6
 
 
 def recording_text(t: FloatArray, points: FloatArray) -> str:

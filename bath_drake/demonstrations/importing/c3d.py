@@ -7,6 +7,7 @@ laboratory's frame.
 """
 
 import io
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -25,8 +26,15 @@ MAX_BYTES = 512 * 1024 * 1024
 # Right shoulder, left shoulder, right hip, left hip (Plug-in Gait).
 BACK_MARKERS = ("RSHO", "LSHO", "RPSI", "LPSI")
 _WORKER = "bath_drake.demonstrations.importing.c3d_worker"
+_PACKAGES = Path(__file__).parents[3]
+# For --body-markers: the path stays in the laboratory's frame.
+NO_BODY = "none"
 _MOST_NAMES = 20
 _BLOCK = 512
+# What the parameters' fourth byte tells of numbers as PCs write them.
+_INTEL = 84
+# The header counts frames in 16 bits; the library reads no more of them.
+_MOST_FRAMES = 65535
 
 
 def read_c3d(path: Path, options: ImportOptions) -> Track:
@@ -52,9 +60,12 @@ def read_c3d(path: Path, options: ImportOptions) -> Track:
     places = tuple(f"frame {first + k + 1}" for k in range(count))
     what = f"marker {options.marker}"
     asked = options.body_markers or BACK_MARKERS
-    if not options.body_markers and not set(asked) <= set(names):
+    bare = {name.split(":")[-1] for name in names}
+    if asked == (NO_BODY,) or not (options.body_markers or set(asked) <= bare):
         return Track(t, hand, what, places, frame="laboratory")
-    corners = [_marker(path, names, points, name) * unit for name in asked]
+    corners = [
+        _marker(path, names, points, name, "--body-markers") * unit for name in asked
+    ]
     hand, box = _on_back(path, t, hand, corners)
     return Track(t, hand, what, places, box, "back")
 
@@ -62,18 +73,30 @@ def read_c3d(path: Path, options: ImportOptions) -> Track:
 def _content(path: Path) -> dict[str, Any]:
     try:
         size = path.stat().st_size
+        with path.open("rb") as file:
+            head = file.read(_BLOCK)
+            file.seek(_BLOCK * (head[0] - 1 if head else 0))
+            parameters = file.read(4)
     except OSError as problem:
-        raise DemonstrationError(f"{path}: {problem.strerror}") from None
+        raise DemonstrationError(
+            f"{path}: cannot be read: {problem.strerror}"
+        ) from None
     if size > MAX_BYTES:
         raise DemonstrationError(f"{path}: {size} bytes, allowed: {MAX_BYTES}")
-    with path.open("rb") as file:
-        head = file.read(_BLOCK)
     # The library believes the header, whatever memory that takes.
     if len(head) < _BLOCK or head[1] != 0x50:
         raise DemonstrationError(f"{path}: no C3D file (its header is not one)")
-    _check_size(path, head, size)
-    command = [sys.executable, "-m", _WORKER, str(path.resolve())]
-    done = subprocess.run(command, capture_output=True, check=False)
+    if parameters[3:] == bytes([_INTEL]):
+        _check_size(path, head, size)
+    # Modules of the folder one happens to be in are not the worker's (-P), and threads
+    # would eat the memory it is allowed.
+    command = [sys.executable, "-P", "-m", _WORKER, str(path.resolve())]
+    there = [str(_PACKAGES), os.environ.get("PYTHONPATH", "")]
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(filter(None, there)),
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+    done = subprocess.run(command, capture_output=True, check=False, env=environment)
     if done.returncode:
         told = done.stderr.decode(errors="replace").strip().splitlines()
         crashed = done.returncode < 0 or not told
@@ -92,8 +115,12 @@ def _check_size(path: Path, head: bytes, size: int) -> None:
     frames = last - first + 1
     data = int(words[8])
     needed = frames * (4 * markers + analog) * word
-    # Files from processors of another byte order are left to the library.
-    if last < 65535 and frames > 0 and needed > size - _BLOCK * max(data - 1, 0):
+    if last >= _MOST_FRAMES:
+        raise DemonstrationError(
+            f"{path}: has {last} frames or more, allowed: {_MOST_FRAMES - 1}; cut the "
+            "stroke out where it was recorded"
+        )
+    if frames > 0 and needed > size - _BLOCK * max(data - 1, 0):
         raise DemonstrationError(
             f"{path}: truncated: {frames} frames of {markers} markers take {needed} "
             f"bytes, the file has {max(size - _BLOCK * max(data - 1, 0), 0)}"
@@ -109,7 +136,13 @@ def _unit(path: Path, told: str, options: ImportOptions) -> float:
     return options.metres(told if told in LENGTH_UNITS else "mm")
 
 
-def _marker(path: Path, names: list[str], points: FloatArray, name: str) -> FloatArray:
+def _marker(
+    path: Path,
+    names: list[str],
+    points: FloatArray,
+    name: str,
+    option: str = "--marker",
+) -> FloatArray:
     """A marker's path (n, 3) in the file's units; NaN where it was not seen.
 
     Systems put the subject's name before that of the marker, with a colon between.
@@ -124,7 +157,8 @@ def _marker(path: Path, names: list[str], points: FloatArray, name: str) -> Floa
     if len(found) != 1:
         how = "no marker" if not found else f"{len(found)} markers"
         raise DemonstrationError(
-            f"{path}: found {how} {name!r}; there are: {_listed(names)}"
+            f"{path}: found {how} {name!r}; say which with {option}; there are: "
+            f"{_listed(names)}"
         )
     track = points[:, found[0]].T.copy()
     # Some systems write zeros where they saw nothing.

@@ -9,6 +9,7 @@ import io
 import os
 import resource
 import sys
+from typing import Any
 
 import ezc3d
 import numpy as np
@@ -34,9 +35,7 @@ def main(path: str) -> int:
         np.savez(
             archive,
             points=np.asarray(content["data"]["points"], dtype=np.float64)[:3],
-            labels=np.array(
-                [str(name) for name in group["LABELS"]["value"]], dtype=str
-            ),
+            labels=np.array(_labels(group), dtype=str),
             unit=np.array(str(unit[0]) if len(unit) else "mm"),
             rate=np.array(float(header["frame_rate"])),
             first=np.array(int(header["first_frame"])),
@@ -49,6 +48,18 @@ def main(path: str) -> int:
     with os.fdopen(out, "wb") as stream:
         stream.write(archive.getvalue())
     return 0
+
+
+def _labels(group: Any) -> list[str]:
+    """Names of the markers: 255 in LABELS, the next ones in LABELS2 and so on."""
+    names = [str(name) for name in group["LABELS"]["value"]]
+    while (more := f"LABELS{len(names) // 255 + 1}") in group:
+        if not len(group[more]["value"]):
+            break
+        names += [str(name) for name in group[more]["value"]]
+        if len(names) % 255:
+            break
+    return names
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ class Imported:
         what: What was read of the file, in words.
         gaps: All gaps, filled or not.
         missing: Samples of the file with no point.
+        notes: What looks like another unit, in words.
     """
 
     recording: Recording
@@ -30,6 +31,7 @@ class Imported:
     what: str
     gaps: tuple[Gap, ...]
     missing: int
+    notes: tuple[str, ...]
 
 
 def import_demonstration(
@@ -61,4 +63,6 @@ def import_demonstration(
         ),
     )
     recording = as_it_will_be_read(output, checked.t, checked.points, metadata)
-    return Imported(recording, kind, track.what, checked.gaps, checked.missing)
+    return Imported(
+        recording, kind, track.what, checked.gaps, checked.missing, checked.notes
+    )

@@ -1,5 +1,6 @@
 """Which reader a file is for."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -28,6 +29,16 @@ _SUFFIXES = {
     ".mcap": "bag",
     ".db3": "bag",
 }
+# What each reader asks for besides --start and --end.
+_TABLE = ("units", "time_units", "t", "x", "y", "z")
+_OPTIONS = {
+    "csv": _TABLE,
+    "npz": (*_TABLE, "points"),
+    "c3d": ("units", "marker", "body_markers"),
+    "mmm": ("units", "motion", "segment", "model"),
+    "bag": ("units", "topic"),
+}
+_FLAGS = {"time_units": "time-units", "body_markers": "body-markers", "t": "time"}
 
 
 def format_of(path: Path, told: str = "") -> str:
@@ -36,12 +47,17 @@ def format_of(path: Path, told: str = "") -> str:
     Raises:
         DemonstrationError: The file is not there, or its suffix says nothing.
     """
-    if not path.exists():
+    if not os.path.exists(path):
         raise DemonstrationError(f"{path}: no such file")
+    folder = os.path.isdir(path)
+    if folder and told in ("", "bag"):
+        return "bag"
+    # A pipe or a device would block or never end.
+    if not os.path.isfile(path):
+        what = "a directory" if folder else "not a file"
+        raise DemonstrationError(f"{path}: found {what}, expected a regular file")
     if told:
         return told
-    if path.is_dir():
-        return "bag"
     found = _SUFFIXES.get(path.suffix.lower())
     if found is None:
         raise DemonstrationError(
@@ -58,5 +74,12 @@ def read_track(path: Path, options: ImportOptions, told: str = "") -> tuple[Trac
         DemonstrationError: Naming the file and what is wrong or missing in it.
     """
     kind = format_of(path, told)
+    for name in options.told():
+        if name not in _OPTIONS[kind]:
+            raise DemonstrationError(
+                f"{path}: --{_FLAGS.get(name, name)} says nothing of this format "
+                f"({kind}), allowed: "
+                + ", ".join(f"--{_FLAGS.get(name, name)}" for name in _OPTIONS[kind])
+            )
     track = READERS[kind](path, options)
     return track.between(options.start, options.end), kind

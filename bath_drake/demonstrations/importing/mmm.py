@@ -25,7 +25,12 @@ from bath_drake.notation import FloatArray
 
 ROOT = "root"
 _MM = 1e-3
+# Where the joints of either version are.
+_JOINTS = ("JointOrder/Joint", "Sensors/Sensor/Configuration/Joint")
+# No subject is taller, m: centimetres are no metres.
+MAX_HEIGHT = 3.0
 _MAX_FRAMES = 1_000_000
+_SAME_TIME = 1e-6
 _MOST_NAMES = 20
 
 
@@ -38,7 +43,7 @@ class MmmMotion:
         p_WR: (n, 3) of the root, m.
         rpy_WR: (n, 3) its roll, pitch and yaw, rad.
         joints: Names, in the order of `angles`.
-        angles: (n, m) rad.
+        angles: (n, m) rad; of sliding joints mm.
         height: The subject's, m; None if the file does not tell.
     """
 
@@ -56,7 +61,7 @@ def read_mmm(path: Path, options: ImportOptions) -> Track:
     Raises:
         DemonstrationError: Naming the file and what is wrong or missing in it.
     """
-    motion = read_motion(path)
+    motion = read_motion(path, options.motion, options.metres("mm"))
     if not options.model:
         if options.segment not in ("", ROOT):
             raise DemonstrationError(
@@ -79,22 +84,50 @@ def read_mmm(path: Path, options: ImportOptions) -> Track:
     return Track(motion.t, points, f"segment {options.segment}", frame="world")
 
 
-def read_motion(path: Path) -> MmmMotion:
-    """Reads a motion file of either version; raises DemonstrationError."""
+def read_motion(path: Path, name: str = "", unit: float = _MM) -> MmmMotion:
+    """Reads one motion of a file of either version.
+
+    Args:
+        path: The file.
+        name: Of the motion; empty: the only one, or the only one with joints (files of
+            manipulation hold motions of objects, too).
+        unit: Of lengths, m.
+
+    Raises:
+        DemonstrationError: Naming the file and what is wrong or missing in it.
+    """
     tree = read_xml(path)
-    motions = [tree] if tree.tag == "Motion" else tree.findall("Motion")
-    if len(motions) != 1:
-        raise DemonstrationError(f"{path}: found {len(motions)} motions, expected one")
-    motion = motions[0]
+    motion = _chosen(
+        path, [tree] if tree.tag == "Motion" else tree.findall("Motion"), name
+    )
     height = motion.find("ModelProcessorConfig/Height")
     tall = None if height is None else float(numbers(path, height, 1)[0])
+    if tall is not None and not 0.0 < tall < MAX_HEIGHT:
+        raise DemonstrationError(
+            f"{path}: Height: found {tall:g}, allowed: 0 to {MAX_HEIGHT:g} m"
+        )
     if motion.find("MotionFrames") is not None:
-        return _first_version(path, motion, tall)
+        return _first_version(path, motion, tall, unit)
     if motion.find("Sensors") is not None:
-        return _second_version(path, motion, tall)
+        return _second_version(path, motion, tall, unit)
     raise DemonstrationError(
         f"{path}: found neither MotionFrames nor Sensors in the motion: no MMM file"
     )
+
+
+def _chosen(path: Path, motions: list[Any], name: str) -> Any:
+    if not motions:
+        raise DemonstrationError(f"{path}: found no Motion: no MMM file")
+    found = [m for m in motions if m.get("name", "") == name] if name else motions
+    if not name and len(found) > 1:
+        found = [m for m in motions if any(m.find(way) is not None for way in _JOINTS)]
+    if len(found) != 1:
+        how = f"{len(found)} motions {name!r}" if name else f"{len(motions)} motions"
+        raise DemonstrationError(
+            f"{path}: found {how}; say which with --motion; there are: "
+            f"{_listed(tuple(m.get('name', '') for m in motions))}"
+        )
+    return found[0]
 
 
 def segment_path(
@@ -111,6 +144,8 @@ def segment_path(
             f"{path}: --segment: found {segment!r}; allowed: {_listed(model.names)}"
         )
     angles = {name: motion.angles[:, k] for k, name in enumerate(motion.joints)}
+    if len(angles) < len(motion.joints):
+        raise DemonstrationError(f"{path}: names a joint twice")
     missing = [joint for joint in model.joints_to(segment) if joint not in angles]
     if missing:
         raise DemonstrationError(
@@ -122,12 +157,14 @@ def segment_path(
             f"{path}: tells no Height of the subject, which the normalised model needs"
         )
     scale = 1.0 if motion.height is None else motion.height
-    p_RS = model.position(segment, angles, len(motion.t)) * scale
+    p_RS = model.position(segment, angles, len(motion.t), scale)
     R_WR = rotation_rpy(motion.rpy_WR)
     return np.asarray(motion.p_WR + np.einsum("nij,nj->ni", R_WR, p_RS))
 
 
-def _first_version(path: Path, motion: Any, height: float | None) -> MmmMotion:
+def _first_version(
+    path: Path, motion: Any, height: float | None, unit: float
+) -> MmmMotion:
     joints = tuple(j.get("name", "") for j in motion.findall("JointOrder/Joint"))
     frames = motion.findall("MotionFrames/MotionFrame")
     _check_count(path, len(frames))
@@ -141,10 +178,12 @@ def _first_version(path: Path, motion: Any, height: float | None) -> MmmMotion:
         for k, frame in enumerate(frames)
     ]
     t, p, rpy, angles = (np.array(column) for column in zip(*rows, strict=True))
-    return MmmMotion(t[:, 0], _MM * p, rpy, joints, angles, height)
+    return MmmMotion(t[:, 0], unit * p, rpy, joints, angles, height)
 
 
-def _second_version(path: Path, motion: Any, height: float | None) -> MmmMotion:
+def _second_version(
+    path: Path, motion: Any, height: float | None, unit: float
+) -> MmmMotion:
     sensors = {s.get("type", ""): s for s in motion.findall("Sensors/Sensor")}
     if "ModelPose" not in sensors:
         raise DemonstrationError(f"{path}: has no sensor of type ModelPose")
@@ -158,12 +197,22 @@ def _second_version(path: Path, motion: Any, height: float | None) -> MmmMotion:
             j.get("name", "") for j in kinematic.findall("Configuration/Joint")
         )
         times, measured = _measured(path, kinematic, "JointPosition", len(joints))
-        if len(times) != len(t) or np.abs(times - t).max() > 1e-6:
-            measured = np.stack(
-                [np.interp(t, times, column) for column in measured.T], axis=-1
-            )
-        angles = measured
-    return MmmMotion(t, _MM * p, rpy, joints, angles, height)
+        angles = _at(path, t, times, measured)
+    return MmmMotion(t, unit * p, rpy, joints, angles, height)
+
+
+def _at(
+    path: Path, t: FloatArray, times: FloatArray, measured: FloatArray
+) -> FloatArray:
+    """Angles at the times of the poses; NaN where none were measured."""
+    if len(times) == len(t) and np.all(np.abs(times - t) <= _SAME_TIME):
+        return measured
+    if not np.all(np.diff(times) > 0.0):
+        raise DemonstrationError(
+            f"{path}: sensor Kinematic: timesteps must be finite and increase"
+        )
+    columns = [np.interp(t, times, c, left=np.nan, right=np.nan) for c in measured.T]
+    return np.stack(columns, axis=-1) if columns else measured[:0]
 
 
 def _measured(

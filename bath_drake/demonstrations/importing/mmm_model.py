@@ -1,9 +1,11 @@
 """The kinematics of an MMM model file (VirtualRobot XML, as Simox writes it).
 
-Read are RobotNode with Transform (Translation, RollPitchYaw, Matrix4x4), revolute and
-prismatic Joint with Axis, and Child or ChildFromRobot-free trees. Lengths are in mm
-unless a unit is told. MMM's reference model is of a subject of 1 m: lengths are
-multiplied by the subject's height.
+Read are RobotNode with Transform (Translation, RollPitchYaw, Matrix4x4, as they follow
+one another), revolute and prismatic Joint with Axis or TranslationDirection and offset,
+and Child. Lengths are in mm unless a unit is told; the case of tags and attributes does
+not matter. MMM's reference model is of a subject of 1 m: lengths, not what joints
+slide, are multiplied by the subject's height. Nodes in other files (ChildFromRobot) are
+refused.
 """
 
 from collections.abc import Mapping
@@ -33,12 +35,14 @@ class _Node:
         X: (4, 4) of the node in its parent, lengths in m.
         joint: 'revolute', 'prismatic' or 'fixed'.
         axis: (3,) of the joint.
+        offset: Added to the joint's value, rad or mm.
     """
 
     parent: str
     X: FloatArray
     joint: str
     axis: FloatArray
+    offset: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,25 +80,33 @@ class MmmModel:
         return [n for n in self.way_to(name) if self.nodes[n].joint != "fixed"]
 
     def position(
-        self, name: str, angles: Mapping[str, FloatArray], count: int
+        self,
+        name: str,
+        values: Mapping[str, FloatArray],
+        count: int,
+        scale: float = 1.0,
     ) -> FloatArray:
-        """Positions (count, 3) of a node in the root's frame, m (of a 1 m subject).
+        """Positions (count, 3) of a node in the root's frame, m.
 
         Args:
             name: Of the node.
-            angles: (count,) rad of each joint on the way, m of sliding ones.
+            values: (count,) rad of each joint on the way, mm of sliding ones.
             count: Of frames.
+            scale: Of the model's lengths.
         """
         R = np.tile(np.eye(3), (count, 1, 1))
         p = np.zeros((count, 3))
         for step in self.way_to(name):
             node = self.nodes[step]
-            p = p + R @ node.X[:3, 3]
+            p = p + R @ (scale * node.X[:3, 3])
             R = R @ node.X[:3, :3]
+            if node.joint == "fixed":
+                continue
+            value = values[step] + node.offset
             if node.joint == "revolute":
-                R = R @ _turned(node.axis, angles[step])
-            elif node.joint == "prismatic":
-                p = p + (R @ node.axis) * angles[step][:, None]
+                R = R @ _turned(node.axis, value)
+            else:
+                p = p + (R @ node.axis) * _LENGTHS["mm"] * value[:, None]
         return p
 
     def _length(self, name: str) -> float:
@@ -104,16 +116,25 @@ class MmmModel:
 def read_model(path: Path) -> MmmModel:
     """Reads a model file; raises DemonstrationError naming file and node."""
     robot = read_xml(path)
-    elements = {e.get("name", ""): e for e in robot.findall("RobotNode")}
+    for element in robot.iter():
+        element.tag = element.tag.lower()
+        own = {key.lower(): value for key, value in element.attrib.items()}
+        element.attrib.clear()
+        element.attrib.update(own)
+    _refuse_other_files(path, robot)
+    found = robot.findall("robotnode")
+    elements = {e.get("name", ""): e for e in found}
+    if len(elements) < len(found):
+        raise DemonstrationError(f"{path}: has two RobotNodes of one name")
     if not 1 <= len(elements) <= _MOST_NODES:
         raise DemonstrationError(
             f"{path}: found {len(elements)} RobotNodes, allowed: 1 to {_MOST_NODES}"
         )
     children = {
-        name: [child.get("name", "") for child in element.findall("Child")]
+        name: [child.get("name", "") for child in element.findall("child")]
         for name, element in elements.items()
     }
-    root = robot.get("RootNode") or next(iter(elements))
+    root = robot.get("rootnode") or next(iter(elements))
     if root not in elements:
         raise DemonstrationError(f"{path}: RootNode: found no node {root!r}")
     nodes: dict[str, _Node] = {}
@@ -129,6 +150,13 @@ def read_model(path: Path) -> MmmModel:
     return MmmModel(nodes)
 
 
+def _refuse_other_files(path: Path, robot: Any) -> None:
+    """Where nodes or lengths come from elsewhere, this file alone would mislead."""
+    for tag in ("childfromrobot", "prejointtransform", "postjointtransform"):
+        if next(robot.iter(tag), None) is not None:
+            raise DemonstrationError(f"{path}: found {tag}, which is not supported")
+
+
 def rotation_rpy(rpy: FloatArray) -> FloatArray:
     """Rotations (n, 3, 3) of roll, pitch, yaw (n, 3), rad: Rz Ry Rx."""
     x, y, z = np.eye(3)
@@ -137,8 +165,8 @@ def rotation_rpy(rpy: FloatArray) -> FloatArray:
 
 
 def _node(path: Path, element: Any, parent: str) -> _Node:
-    joint, axis = "fixed", np.array([0.0, 0.0, 1.0])
-    told = element.find("Joint")
+    joint, axis, offset = "fixed", np.array([0.0, 0.0, 1.0]), 0.0
+    told = element.find("joint")
     if told is not None:
         joint = str(told.get("type", "fixed")).lower()
         if joint not in ("revolute", "prismatic", "fixed"):
@@ -146,7 +174,8 @@ def _node(path: Path, element: Any, parent: str) -> _Node:
                 f"{path}: node {element.get('name')!r}: found a joint of type "
                 f"{joint!r}, allowed: revolute, prismatic, fixed"
             )
-        where = told.find("TranslationDirection" if joint == "prismatic" else "Axis")
+        offset = attribute(path, told, "offset", 0.0)
+        where = told.find("translationdirection" if joint == "prismatic" else "axis")
         if where is not None:
             axis = np.array([attribute(path, where, k, 0.0) for k in "xyz"])
             size = float(np.linalg.norm(axis))
@@ -155,7 +184,8 @@ def _node(path: Path, element: Any, parent: str) -> _Node:
                     f"{path}: node {element.get('name')!r}: the joint's axis is zero"
                 )
             axis = axis / size
-    return _Node(parent, _transform(path, element.find("Transform")), joint, axis)
+    X = _transform(path, element.find("transform"))
+    return _Node(parent, X, joint, axis, offset)
 
 
 def _transform(path: Path, element: Any) -> FloatArray:
@@ -165,18 +195,18 @@ def _transform(path: Path, element: Any) -> FloatArray:
     for part in element:
         kind = part.tag.lower()
         if kind == "translation":
-            unit = _unit(path, part, ("unitsLength", "units", "unit"), _LENGTHS, "mm")
+            unit = _unit(path, part, ("unitslength", "units", "unit"), _LENGTHS, "mm")
             step = np.eye(4)
             step[:3, 3] = [unit * attribute(path, part, k, 0.0) for k in "xyz"]
         elif kind == "rollpitchyaw":
-            unit = _unit(path, part, ("unitsAngle", "units", "unit"), _ANGLES, "radian")
+            unit = _unit(path, part, ("unitsangle", "units", "unit"), _ANGLES, "radian")
             rpy = [
                 unit * attribute(path, part, k, 0.0) for k in ("roll", "pitch", "yaw")
             ]
             step = np.eye(4)
             step[:3, :3] = rotation_rpy(np.array([rpy]))[0]
         elif kind == "matrix4x4":
-            unit = _unit(path, part, ("unitsLength", "units", "unit"), _LENGTHS, "mm")
+            unit = _unit(path, part, ("unitslength", "units", "unit"), _LENGTHS, "mm")
             step = np.eye(4)
             for i in range(3):
                 row = part.find(f"row{i + 1}")

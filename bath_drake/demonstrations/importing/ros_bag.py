@@ -68,7 +68,9 @@ def _messages(
     with reader([path]) as bag:
         topics = {c.topic: c.msgtype for c in bag.connections if c.msgtype in KINDS}
         topic = _chosen(path, topics, options.topic)
-        chosen = [c for c in bag.connections if c.topic == topic]
+        chosen = [
+            c for c in bag.connections if (c.topic, c.msgtype) == (topic, topics[topic])
+        ]
         for connection, _, data in bag.messages(connections=chosen):
             message = bag.deserialize(data, connection.msgtype)
             rows.append(_row(message, KINDS[topics[topic]]))

@@ -22,6 +22,7 @@ class ImportOptions:
         marker: Name of the hand's marker (C3D).
         body_markers: Names of right shoulder, left shoulder, right hip, left hip (C3D).
         topic: Of the hand's poses (ROS).
+        motion: Name of the person's motion (MMM).
         segment: Name of the hand's segment (MMM).
         model: Path of the model file (MMM).
         start: What comes before is left out, s.
@@ -34,18 +35,21 @@ class ImportOptions:
     marker: str = ""
     body_markers: tuple[str, ...] = ()
     topic: str = ""
+    motion: str = ""
     segment: str = ""
     model: str = ""
     start: float | None = None
     end: float | None = None
 
+    def told(self) -> list[str]:
+        """Names of all that is said, but for the span of time."""
+        names = ("units", "time_units", "marker", "body_markers", "topic", "motion")
+        said = [name for name in (*names, "segment", "model") if getattr(self, name)]
+        return said + list(self.columns)
+
     def metres(self, of_file: str = "m") -> float:
         """The factor to metres, with what the file itself says."""
         return LENGTH_UNITS[self.units or of_file]
-
-    def seconds(self, of_file: str = "s") -> float:
-        """The factor to seconds, with what the file itself says."""
-        return TIME_UNITS[self.time_units or of_file]
 
 
 @dataclass(frozen=True, eq=False)

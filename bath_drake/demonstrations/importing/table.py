@@ -3,7 +3,6 @@
 import csv
 import io
 import math
-import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,8 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from bath_drake.demonstrations.importing.columns import (
+    choose_columns,
+    choose_time,
+    factor,
+    listed,
+)
 from bath_drake.demonstrations.importing.source import ImportOptions, Track
-from bath_drake.demonstrations.recording import LENGTH_UNITS
 from bath_drake.errors import DemonstrationError
 from bath_drake.notation import FloatArray
 from bath_drake.yaml_io import read_bytes
@@ -20,12 +24,6 @@ from bath_drake.yaml_io import read_bytes
 MAX_BYTES = 64 * 1024 * 1024
 # An archive may hold far more than its own size.
 MAX_UNPACKED_BYTES = 512 * 1024 * 1024
-_MOST_NAMES = 12
-
-# What programs call them, in lower case, without a unit.
-_TIME = ("t", "time", "timestamp", "stamp", "secs", "seconds", "sec")
-_PREFIXES = ("", "p", "pos", "position", "t", "trans", "translation", "hand", "tip")
-_SPACED = re.compile(r"[\s.\-/\[\]()]+")
 
 
 def read_csv(path: Path, options: ImportOptions) -> Track:
@@ -78,7 +76,7 @@ def read_csv(path: Path, options: ImportOptions) -> Track:
         places.append(place)
     table = np.array(rows, dtype=np.float64)
     columns = {key: table[:, k] for k, key in enumerate(chosen)}
-    return _track(columns, chosen, options, tuple(places))
+    return _track(path, columns, chosen, options, tuple(places))
 
 
 def read_npz(path: Path, options: ImportOptions) -> Track:
@@ -102,7 +100,7 @@ def read_npz(path: Path, options: ImportOptions) -> Track:
         if wanted not in planes:
             raise DemonstrationError(
                 f"{path}: --points: found no array {wanted!r} of shape (n, 2) or "
-                f"(n, 3); allowed: {_listed(planes)}"
+                f"(n, 3); allowed: {listed(planes)}"
             )
         time = choose_time(path, list(single), options)
         points = planes[wanted]
@@ -113,93 +111,24 @@ def read_npz(path: Path, options: ImportOptions) -> Track:
     if len(lengths) > 1:
         told = ", ".join(f"{key} {len(column)}" for key, column in columns.items())
         raise DemonstrationError(f"{path}: arrays of unlike lengths: {told}")
-    return _track(columns, chosen, options, ())
-
-
-def choose_columns(
-    path: Path, names: list[str], options: ImportOptions
-) -> dict[str, str]:
-    """Which column is t, x, y and z: as told, or as their names say.
-
-    Raises:
-        DemonstrationError: A name that was told is not there, or names leave a choice;
-            with the names there are.
-    """
-    asked = {key: options.columns[key] for key in "xyz" if key in options.columns}
-    for key, name in asked.items():
-        if name not in names:
-            raise DemonstrationError(
-                f"{path}: --{key}: found no column {name!r}; allowed: {_listed(names)}"
-            )
-    chosen = {"t": choose_time(path, names, options), **asked}
-    if asked:
-        missing = [key for key in "xy" if key not in asked]
-        if missing:
-            raise DemonstrationError(
-                f"{path}: --{missing[0]} is missing beside --{next(iter(asked))}; "
-                f"allowed: {_listed(names)}"
-            )
-        return chosen
-    triples = []
-    for prefix in _PREFIXES:
-        found = {key: _named(names, prefix, key) for key in "xyz"}
-        if found["x"] and found["y"]:
-            triples.append({key: name for key, name in found.items() if name})
-    if len(triples) != 1:
-        told = "no" if not triples else f"{len(triples)} sets of"
-        raise DemonstrationError(
-            f"{path}: found {told} columns that are x, y and z by their names; say "
-            f"which with --x, --y and --z; there are: {_listed(names)}"
-        )
-    return chosen | triples[0]
-
-
-def choose_time(path: Path, names: list[str], options: ImportOptions) -> str:
-    """Which column is the time; raises DemonstrationError as `choose_columns`."""
-    told = options.columns.get("t")
-    if told is not None:
-        if told not in names:
-            raise DemonstrationError(
-                f"{path}: --time: found no column {told!r}; allowed: {_listed(names)}"
-            )
-        return told
-    found = [name for name in names if _bare(name)[0] in _TIME]
-    if len(found) != 1:
-        count = "no column" if not found else f"{len(found)} columns"
-        raise DemonstrationError(
-            f"{path}: found {count} that are the time by their names; say which with "
-            f"--time; there are: {_listed(names)}"
-        )
-    return found[0]
-
-
-def _named(names: list[str], prefix: str, key: str) -> str | None:
-    wanted = {f"{prefix}{key}", f"{prefix}_{key}", f"{key}_{prefix}"} - {f"{key}_"}
-    found = [name for name in names if _bare(name)[0] in wanted]
-    return found[0] if len(found) == 1 else None
-
-
-def _bare(name: str) -> tuple[str, str | None]:
-    """A column's name without its unit, and the unit."""
-    parts = [part for part in _SPACED.split(name.strip().lower()) if part]
-    words = "_".join(parts).split("_")
-    if len(words) > 1 and words[-1] in (*LENGTH_UNITS, "s", "ms", "us", "ns"):
-        return "_".join(words[:-1]), words[-1]
-    return "_".join(words), None
+    return _track(path, columns, chosen, options, ())
 
 
 def _track(
+    path: Path,
     columns: Mapping[str, FloatArray],
     chosen: Mapping[str, str],
     options: ImportOptions,
     places: tuple[str, ...],
 ) -> Track:
-    of_time = _bare(chosen["t"])[1] or "s"
-    of_length = _bare(chosen.get("x", ""))[1] or "m"
-    points = np.stack([columns[key] for key in "xyz" if key in columns], axis=-1)
+    in_unit = {
+        key: column
+        * factor(path, chosen.get(key, chosen.get("points", "")), key, options)
+        for key, column in columns.items()
+    }
     return Track(
-        t=columns["t"] * options.seconds(of_time),
-        points=points * options.metres(of_length),
+        t=in_unit["t"],
+        points=np.stack([in_unit[key] for key in "xyz" if key in columns], axis=-1),
         what="columns " + ", ".join(chosen.values()),
         places=places,
     )
@@ -238,9 +167,3 @@ def _arrays(path: Path, options: ImportOptions) -> dict[str, FloatArray]:
     if not arrays:
         raise DemonstrationError(f"{path}: found no arrays of numbers")
     return arrays
-
-
-def _listed(names: Any) -> str:
-    names = list(names)
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(map(str, names[:_MOST_NAMES])) + more or "none"

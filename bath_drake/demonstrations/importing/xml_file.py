@@ -13,6 +13,8 @@ from bath_drake.notation import FloatArray
 from bath_drake.yaml_io import read_bytes
 
 MAX_BYTES = 128 * 1024 * 1024
+# A tag takes far more memory than its bytes. Five minutes of 100 Hz have a million.
+MAX_TAGS = 4_000_000
 
 
 def read_xml(path: Path) -> Any:
@@ -23,6 +25,8 @@ def read_xml(path: Path) -> Any:
             entities or a document type.
     """
     data = read_bytes(path, limit=MAX_BYTES, error=DemonstrationError)
+    if (tags := data.count(b"<")) > MAX_TAGS:
+        raise DemonstrationError(f"{path}: has {tags} tags, allowed: {MAX_TAGS}")
     try:
         return fromstring(data, forbid_dtd=True)
     except DefusedXmlException as problem:
