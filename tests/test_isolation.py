@@ -12,7 +12,7 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import VectorLogSink
 from write_wiring import BUILDERS, made_up_skill, shipped_diagram
 
-from bath_drake import diagrams
+from bath_drake import control_diagram, diagrams
 from bath_drake.block_diagram import connections
 from bath_drake.graph_layout import Connection
 from bath_drake.scenario import load_scenario
@@ -196,7 +196,7 @@ def test_a_mis_wired_diagram_is_found(monkeypatch):
         )
         add_logs(builder, scene, systems)
 
-    monkeypatch.setattr(diagrams, "CanonicalTracker", CheatingTracker)
+    monkeypatch.setattr(control_diagram, "CanonicalTracker", CheatingTracker)
     monkeypatch.setattr(diagrams, "_add_logs", cheat)
     scenario = load_scenario("reproduction")
     diagram = diagrams.build_reproduction(scenario, made_up_skill())

@@ -89,7 +89,8 @@ def waypoint_stroke(config: CarerConfig) -> Stroke:
 
     It stays within the box of any two neighbours.
     """
-    points = np.array(config.waypoints)
+    # Nanometres: differences too small to divide by are none.
+    points = np.round(np.array(config.waypoints), 9)
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     knots = np.r_[0.0, np.cumsum(chords)]
     curve = PchipInterpolator(knots, points)(
