@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from bath_drake.demonstrations.canonical import CanonicalDemonstration
+    from bath_drake.demonstrations.hand_motion import HandMotion
     from bath_drake.demonstrations.recording import Recording
 
 
@@ -27,6 +28,7 @@ def run(options: argparse.Namespace) -> int:
     """Writes the picture and prints a few lines a demonstration; returns 0."""
     import io
 
+    from bath_drake.demonstrations.hand_motion import hand_motion
     from bath_drake.demonstrations.processing import canonical_demonstrations
     from bath_drake.demonstrations.recording import read_recording
     from bath_drake.errors import BathDrakeError
@@ -44,13 +46,14 @@ def run(options: argparse.Namespace) -> int:
     check_output(output)
     recordings = [read_recording(path) for path in options.files]
     demonstrations, frame = canonical_demonstrations(recordings)
+    motions = [hand_motion(recording) for recording in recordings]
     picture = io.BytesIO()
     with style.figure_style():
-        figure = draw_recordings(recordings, demonstrations, frame)
+        figure = draw_recordings(recordings, demonstrations, motions, frame)
         figure.savefig(picture, format=kinds[output.suffix], dpi=120)
     write_atomically(output, picture.getvalue(), error=BathDrakeError)
-    for recording, demonstration in zip(recordings, demonstrations, strict=True):
-        print("\n".join(_told(recording, demonstration)))
+    for told in zip(recordings, demonstrations, motions, strict=True):
+        print("\n".join(_told(*told)))
     print(f"frame:   {frame.kind}")
     for line in _left_out(demonstrations):
         print(line)
@@ -58,21 +61,19 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _told(recording: "Recording", d: "CanonicalDemonstration") -> list[str]:
+def _told(
+    recording: "Recording", d: "CanonicalDemonstration", motion: "HandMotion"
+) -> list[str]:
     import numpy as np
 
-    from bath_drake.demonstrations.outliers import find_outliers
-
-    t, points = recording.t, recording.points
-    outliers = find_outliers(t, points)
-    kept = np.delete(points, outliers, axis=0)
-    length = float(np.linalg.norm(np.diff(kept, axis=0), axis=1).sum())
+    t, outliers = recording.t, motion.outliers
+    kept = np.delete(recording.points, outliers, axis=0)
     sides = " x ".join(f"{side:.3f}" for side in np.ptp(kept, axis=0))
     step = float(np.median(np.diff(t)))
     lines = [
         f"{recording.path}:",
         f"  {t.size} points in {t[-1] - t[0]:.2f} s (every {1e3 * step:.0f} ms), "
-        f"length {length:.3f} m, sides {sides} m",
+        f"length {motion.length:.3f} m, sides {sides} m",
     ]
     said = recording.metadata
     if said.body_box is not None:

@@ -66,7 +66,7 @@ def canonical_demonstrations(
                 len(gaps),
                 sum(end - start for start, end in gaps),
             )
-    parts = [_separated(recording) for recording in recordings]
+    parts = [take_apart(recording) for recording in recordings]
     smooth = [
         denoise(recording.t, recording.points)
         if part.period is None
@@ -142,7 +142,8 @@ def _strays(
     )
 
 
-def _separated(recording: Recording) -> Separation:
+def take_apart(recording: Recording) -> Separation:
+    """A recording without its outliers: the stroke, and circles or scrubbing on it."""
     outliers = find_outliers(recording.t, recording.points)
     return separate(
         np.delete(recording.t, outliers), np.delete(recording.points, outliers, axis=0)

@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bath_drake.demonstrations.canonical import CanonicalDemonstration, CanonicalFrame
-from bath_drake.demonstrations.outliers import find_outliers
+from bath_drake.demonstrations.hand_motion import HandMotion
 from bath_drake.demonstrations.recording import Recording
-from bath_drake.notation import FloatArray
 from bath_drake.report import style
 
 _COLOURS = ("#0b5fa5", "#d7301f", "#00a37a", "#aa3377", "#e08214", "#4a4f57")
@@ -20,6 +19,7 @@ _MOST_NAMED = 12
 def draw_recordings(
     recordings: Sequence[Recording],
     demonstrations: Sequence[CanonicalDemonstration],
+    motions: Sequence[HandMotion],
     frame: CanonicalFrame,
 ) -> Figure:
     """Draws recordings as they are and as processing sees them.
@@ -27,24 +27,30 @@ def draw_recordings(
     Args:
         recordings: As read.
         demonstrations: The same, processed, in N.
+        motions: The same, as the hand moved.
         frame: The map to N.
     """
     figure = style.new_figure(7.2, width=13.0)
     grid = figure.add_gridspec(3, 2, width_ratios=[1.25, 1.0])
     path = figure.add_subplot(grid[:, 0])
     x, y, speed = (figure.add_subplot(grid[k, 1]) for k in range(3))
-    for index, (recording, d) in enumerate(
-        zip(recordings, demonstrations, strict=True)
+    for index, (recording, d, motion) in enumerate(
+        zip(recordings, demonstrations, motions, strict=True)
     ):
-        _draw_path(path, index, recording, d)
+        _draw_path(path, index, d, motion)
         for axes, k in ((x, 0), (y, 1)):
             _draw_coordinate(axes, index, recording, d, k)
         colour, dash = _look(index)
-        speed.plot(*speed_of(recording), dash, color=colour, lw=1.2)
+        since = motion.t - recording.t[0]
+        speed.plot(since, motion.speed, dash, color=colour, lw=1.2)
     if frame.kind == "body_box":
         square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
         path.plot(*square.T, ":", color=style.MUTED, lw=1.0, label="the body's box")
-    path.plot([], [], "x", color=style.FAIL, label="outlier, left out")
+    if any(motion.outliers.size for motion in motions):
+        path.plot([], [], "x", color=style.FAIL, label="outlier, left out")
+    if len(recordings) > _MOST_NAMED:
+        rest = len(recordings) - _MOST_NAMED
+        path.plot([], [], " ", label=f"and {rest} more")
     path.set(
         xlabel="x in N"
         + (" (to the person's right)" if frame.kind == "body_box" else ""),
@@ -52,10 +58,12 @@ def draw_recordings(
         aspect="equal",
     )
     path.set_title("Paths: as recorded (thin), processed (thick); o start, * goal")
-    path.legend(loc="upper center", bbox_to_anchor=(0.5, -0.08), ncols=3)
+    # Below the axis label, however low the axes are.
+    path.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4, ncols=3)
     x.set(ylabel="x in N")
     y.set(ylabel="y in N")
     speed.set(ylabel="speed, m/s", xlabel="time, s")
+    speed.set_ylim(bottom=0.0)
     x.set_title("Over time; gaps are shaded")
     for axes in (x, y):
         axes.tick_params(labelbottom=False)
@@ -69,16 +77,15 @@ def _look(index: int) -> tuple[str, str]:
 
 
 def _draw_path(
-    axes: Axes, index: int, recording: Recording, d: CanonicalDemonstration
+    axes: Axes, index: int, d: CanonicalDemonstration, motion: HandMotion
 ) -> None:
     colour, dash = _look(index)
     axes.plot(*d.raw.T, color=colour, lw=0.8, alpha=0.55)
-    name = recording.name if index < _MOST_NAMED else None
+    name = d.name if index < _MOST_NAMED else None
     axes.plot(*d.points.T, dash, color=colour, lw=2.2, label=name)
     axes.plot(*d.points[0], "o", color=colour, ms=7, mec="white")
     axes.plot(*d.points[-1], "*", color=colour, ms=12, mec="white")
-    outliers = find_outliers(recording.t, recording.points)
-    axes.plot(*d.raw[outliers].T, "x", color=style.FAIL, ms=7, mew=1.6)
+    axes.plot(*d.raw[motion.outliers].T, "x", color=style.FAIL, ms=7, mew=1.6)
 
 
 def _draw_coordinate(
@@ -93,16 +100,3 @@ def _draw_coordinate(
     for start, end in recording.metadata.gaps:
         low, high = start - recording.t[0], end - recording.t[0]
         axes.axvspan(low, high, color=colour, alpha=0.15, lw=0)
-
-
-def speed_of(recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Times from zero (n,), s, and speeds (n,), m/s, averaged over a tenth of it."""
-    outliers = find_outliers(recording.t, recording.points)
-    t = np.delete(recording.t, outliers)
-    points = np.delete(recording.points, outliers, axis=0)
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    width = 0.05 * float(t[-1] - t[0])
-    low, high = np.maximum(t - width, t[0]), np.minimum(t + width, t[-1])
-    speed = (np.interp(high, t, along) - np.interp(low, t, along)) / (high - low)
-    return t - recording.t[0], speed

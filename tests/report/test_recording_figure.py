@@ -1,10 +1,11 @@
 """`bath-drake show`: one picture and a few lines for any number of demonstrations."""
 
 import numpy as np
+import pytest
 
 from bath_drake.cli import main
+from bath_drake.demonstrations.hand_motion import hand_motion
 from bath_drake.demonstrations.recording import read_recording
-from bath_drake.report.recording_figure import speed_of
 from bath_drake.resources import models_folder
 
 FOLDER = models_folder() / "demonstrations"
@@ -49,6 +50,24 @@ def test_the_speed_of_an_even_line_is_even(tmp_path):
     path = tmp_path / "line.csv"
     lines = [f"{k / 20},{k / 100},0" for k in range(50)]
     path.write_text("\n".join(["t,x,y", *lines]))
-    t, speed = speed_of(read_recording(path))
-    assert t[0] == 0.0
-    np.testing.assert_allclose(speed, 0.2, rtol=1e-9)
+    motion = hand_motion(read_recording(path))
+    # The spline's solver leaves rounding.
+    np.testing.assert_allclose(motion.speed, 0.2, rtol=1e-6)
+    assert motion.length == pytest.approx(0.49, rel=1e-6)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.03])
+def test_noise_makes_no_stroke_longer_or_faster(radius, tmp_path):
+    t = np.arange(240) / 30.0
+    turn = radius * np.column_stack([np.cos(6.0 * t), np.sin(6.0 * t)])
+    hand = np.column_stack([0.15 * np.sin(0.6 * t), 0.2 - 0.05 * t]) + turn
+    noisy = hand + np.random.default_rng(5).normal(0.0, 0.002, hand.shape)
+    path = tmp_path / "noisy.csv"
+    lines = [",".join(map(str, row)) for row in np.column_stack([t, noisy])]
+    path.write_text("\n".join(["t,x,y", *lines]))
+    motion = hand_motion(read_recording(path))
+    truth = np.linalg.norm(np.diff(hand, axis=0), axis=1).sum()
+    # A tenth: with noise alone it is 1.3 to 1.9 times as long.
+    assert motion.length == pytest.approx(truth, rel=0.1)
+    speed = np.linalg.norm(np.gradient(hand, t, axis=0), axis=1)
+    assert np.median(motion.speed) == pytest.approx(np.median(speed), rel=0.1)
