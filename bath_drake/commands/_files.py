@@ -4,7 +4,7 @@ from pathlib import Path
 
 
 def write_all(files: dict[Path, bytes]) -> None:
-    """Writes all files, or takes back those that were not there before.
+    """Writes all files, or puts back what was there before.
 
     Raises:
         DemonstrationError: One cannot be written.
@@ -12,14 +12,16 @@ def write_all(files: dict[Path, bytes]) -> None:
     from bath_drake.errors import DemonstrationError
     from bath_drake.yaml_io import write_atomically
 
-    new: list[Path] = []
+    before: dict[Path, bytes | None] = {}
     try:
         for path, content in files.items():
-            there = path.exists()
+            old = path.read_bytes() if path.is_file() else None
             write_atomically(path, content, error=DemonstrationError)
-            if not there:
-                new.append(path)
-    except DemonstrationError:
-        for path in new:
-            path.unlink(missing_ok=True)
+            before[path] = old
+    except BaseException:  # an interrupt, too, must leave no half
+        for path, old in before.items():
+            if old is None:
+                path.unlink(missing_ok=True)
+            else:
+                write_atomically(path, old, error=DemonstrationError)
         raise

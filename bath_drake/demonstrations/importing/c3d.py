@@ -46,6 +46,8 @@ def read_c3d(path: Path, options: ImportOptions) -> Track:
     content = _content(path)
     names = [name.strip() for name in content["labels"].tolist()]
     points, rate = content["points"], float(content["rate"])
+    # Files may name more markers than they hold.
+    names = names[: points.shape[1]]
     if len(names) < points.shape[1]:
         raise DemonstrationError(
             f"{path}: has names of {len(names)} markers, and {points.shape[1]} markers"

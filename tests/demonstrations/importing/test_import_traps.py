@@ -16,6 +16,10 @@ from foreign_files import (
     write_model,
 )
 
+from bath_drake import yaml_io
+from bath_drake.commands._files import write_all
+from bath_drake.errors import DemonstrationError
+
 ROWS = np.column_stack([T, HAND])
 
 
@@ -82,6 +86,23 @@ def test_what_looks_like_another_unit_is_noted(imported, tmp_path):
     _, said = imported(metres, "--marker", "HAND")
     assert "metres? then --units m" in said
     assert "note" not in imported(metres, "--marker", "HAND", "--units", "m")[1]
+
+
+def test_an_earlier_demonstration_survives_a_failure(tmp_path, monkeypatch):
+    old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
+    old.write_bytes(b"before")
+    write = yaml_io.write_atomically
+
+    def failing(path, content, *, error):
+        if path.suffix == ".csv":
+            raise error("no space")
+        write(path, content, error=error)
+
+    monkeypatch.setattr(yaml_io, "write_atomically", failing)
+    with pytest.raises(DemonstrationError, match="no space"):
+        write_all({old: b"after", new: b"new", tmp_path / "a.csv": b""})
+    assert old.read_bytes() == b"before"
+    assert not new.exists()
 
 
 @pytest.mark.parametrize("suffix", ["csv", "npz", "c3d", "xml", "bag", "mcap", "db3"])
@@ -270,3 +291,41 @@ def test_angles_of_the_second_version_end_with_their_sensor(imported, tmp_path):
         "must be finite and increase"
         in imported(tmp_path / "a.xml", *AT_MODEL, model)[1]
     )
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        # Of the zip's central directory: version, encryption flag, compression.
+        (6, 200),
+        (8, 1),
+        (10, 99),
+    ],
+)
+def test_an_archive_of_another_kind_is_refused(place, value, imported, tmp_path):
+    file = tmp_path / "a.npz"
+    np.savez(file, t=T, p=HAND)
+    content = bytearray(file.read_bytes())
+    content[content.index(b"PK\x01\x02") + place] = value
+    file.write_bytes(content)
+    assert "not a readable .npz" in imported(file)[1]
+
+
+def test_a_damaged_stream_is_refused(imported, tmp_path):
+    file = tmp_path / "a.npz"
+    np.savez_compressed(file, t=T, p=HAND)
+    content = bytearray(file.read_bytes())
+    content[60:200] = bytes(range(140))
+    file.write_bytes(content)
+    assert "not a readable .npz" in imported(file)[1]
+
+
+def test_a_marker_that_is_named_alone_is_not_there(imported, tmp_path):
+    file = write_c3d(tmp_path / "a.c3d", {"HAND": 1e3 * HAND, "ELBO": 1e3 * HAND})
+    content = bytearray(file.read_bytes())
+    # One marker instead of two: in the header, and in the parameter POINT:USED (its
+    # name, two bytes to the next, a type, no dimensions, the number).
+    content[2] = 1
+    content[content.index(b"USED") + 8] = 1
+    file.write_bytes(content)
+    assert "found no marker 'ELBO'" in imported(file, "--marker", "ELBO")[1]
