@@ -1,5 +1,7 @@
 """Settings shared by all tests."""
 
+import os
+
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -7,7 +9,13 @@ from stale_caches import drop_stale_caches
 
 # The first example of a property may wait for a compiler, and machines are busy: no
 # deadline. The same examples every time: a failure in one run is one in the next.
-settings.register_profile("bath_drake", deadline=None, derandomize=True)
+# BATH_DRAKE_EXAMPLES=100 and more looks further than every run can.
+settings.register_profile(
+    "bath_drake",
+    deadline=None,
+    derandomize=True,
+    max_examples=int(os.environ.get("BATH_DRAKE_EXAMPLES", "40")),
+)
 settings.load_profile("bath_drake")
 
 

@@ -222,7 +222,7 @@ def start(out, **environment):
 @pytest.mark.parametrize(
     "wanted",
     [
-        pytest.param(6, marks=pytest.mark.slow),
+        pytest.param(4, marks=pytest.mark.slow),
         pytest.param(20, marks=pytest.mark.exhaustive),
     ],
 )
