@@ -222,7 +222,7 @@ def start(out, **environment):
 @pytest.mark.parametrize(
     "wanted",
     [
-        pytest.param(4, marks=pytest.mark.slow),
+        pytest.param(2, marks=pytest.mark.slow),
         pytest.param(20, marks=pytest.mark.exhaustive),
     ],
 )
@@ -255,7 +255,7 @@ def test_kills_change_no_bit(wanted, tmp_path):
     assert not kept.exists()
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_one_worker_on_one_core_learns_what_two_do(tmp_path):
     cores = os.sched_getaffinity(0)
     found = []

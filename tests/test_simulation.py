@@ -32,14 +32,9 @@ from bath_drake.verification import evaluate
 PEOPLE = sorted(path.parent.name for path in models_folder().glob("people/*/body.gltf"))
 # Near the scrubbing stroke: the ovals must shrink beside it.
 BESIDE_SCRUBBING = WoundConfig(centre=[0.22, 0.12], semi_axes=[0.12, 0.08], angle=0.3)
-# Every person once, the wound as the harder case; all with all the rest, by
-# `make test MARKERS=`.
-CASES = [
-    ("restricted_area", PEOPLE[0]),
-    ("restricted_area", PEOPLE[3]),
-    ("scrubbing", PEOPLE[1]),
-    ("reproduction", PEOPLE[2]),
-]
+# The wound is the harder case, and the stoutest and the thinnest are. All the others
+# with all the rest, by `make test MARKERS=`.
+CASES = [("restricted_area", PEOPLE[3]), ("scrubbing", PEOPLE[1])]
 CASES += [
     pytest.param((name, person), marks=pytest.mark.exhaustive)
     for name in ("reproduction", "restricted_area")
@@ -64,6 +59,8 @@ def judged(request):
     scenario.scene.person = person
     if name == "scrubbing":
         scenario.scene.wound = BESIDE_SCRUBBING
+        # The way round it is another one than was shown.
+        scenario.limits.frechet_executed = None
     skill = shipped_skill(scenario)
     log = run(diagrams.build_reproduction(scenario, skill), scenario)
     return scenario, log, evaluate(log, scenario, skill)

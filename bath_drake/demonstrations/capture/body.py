@@ -32,6 +32,8 @@ REFERENCE_FRAMES, REFERENCE_RANK = 14, 0.7
 MIN_BACK_PIXELS = 400
 # How wide and how long a back may be, child's or giant's, m.
 SIZES = ((0.16, 0.6), (0.2, 0.8))
+# By how much what is up on average counts against the body's own direction.
+UP_SHARES = (0.5, 1.0, 2.0, 4.0, 8.0)
 # A frame shows the body if so much of its surface is found.
 MIN_SHARE = 0.3
 
@@ -93,14 +95,7 @@ def build_body(
     plate = clean_plate(layers, camera, len(poses), low, high)
     back = view.back(plate.colour, plate.depth)
     if back.sum() >= MIN_BACK_PIXELS:
-        # Where shoulders end hangs on what is up. A body that leans to and fro shows
-        # another end in every frame, unless its own direction to the head counts too.
-        up = view.first_map(plate.depth, back).R_WP[:, 1]
-        if up_C is not None:
-            mean = np.mean([pose.R.T @ up_C for pose in poses.values()], axis=0)
-            up = up + mean / np.linalg.norm(mean)
-        view = View(camera, low, high, up)
-        back = view.back(plate.colour, plate.depth)
+        view, back = _upright(plate, view, back, up_C, poses)
     if back.sum() < MIN_BACK_PIXELS:
         raise DemonstrationError(
             f"{name}: the back is too small or hidden too long: {back.sum()} pixels of "
@@ -119,6 +114,36 @@ def build_body(
         surface=surface,
         poses=_follow(frames, camera, surface, reference),
     )
+
+
+def _upright(
+    plate: CleanPlate,
+    view: View,
+    back: BoolArray,
+    up_C: FloatArray | None,
+    poses: Mapping[int, TrackedPose],
+) -> tuple[View, BoolArray]:
+    """The back for an up that does not hang on the lean of one frame.
+
+    Where shoulders end hangs on what is up, and a little more of it may add or take a
+    whole shoulder. So several ups between the body's own direction to the head and
+    what is up on average are tried, and the back in the middle is taken.
+    """
+    own = view.first_map(plate.depth, back).R_WP[:, 1]
+    ups = [own]
+    if up_C is not None:
+        mean = np.mean([pose.R.T @ up_C for pose in poses.values()], axis=0)
+        ups = [own + share * mean / np.linalg.norm(mean) for share in UP_SHARES]
+    tried = []
+    for up in ups:
+        upright = View(view.camera, view.low, view.high, up)
+        found = upright.back(plate.colour, plate.depth)
+        if found.sum() >= MIN_BACK_PIXELS:
+            tried.append((upright, found))
+    if not tried:
+        return view, np.zeros_like(back)
+    tried.sort(key=lambda one: int(one[1].sum()))
+    return tried[len(tried) // 2]
 
 
 def _reference(
