@@ -5,6 +5,12 @@ from pathlib import Path
 import pytest
 
 TUTORIALS = sorted((Path(__file__).parent.parent / "tutorials").glob("*.py"))
+# Half a minute each, of learning that other tests do too.
+LONG = ("02_the_papers_learner", "03_strokes_no_single_field_can_hold")
+RUN = [
+    pytest.param(path, marks=pytest.mark.exhaustive) if path.stem in LONG else path
+    for path in TUTORIALS
+]
 
 
 @pytest.fixture
@@ -25,7 +31,7 @@ def no_window(monkeypatch):
 @pytest.mark.tutorial
 @pytest.mark.slow
 @pytest.mark.render
-@pytest.mark.parametrize("path", TUTORIALS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
 def test_the_tutorial_runs_from_top_to_bottom(path, no_window, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = runpy.run_path(str(path), run_name="__main__")
