@@ -11,7 +11,7 @@ import numpy as np
 from bath_drake.composition.branch import Branch
 from bath_drake.composition.chain import Chain
 from bath_drake.composition.conditioning import NUMBERS, Conditioning
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 
 def branch_to_mapping(branch: Branch) -> dict[str, Any]:

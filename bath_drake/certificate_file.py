@@ -26,7 +26,7 @@ from bath_drake.composition.result import (
     whole_verdict,
 )
 from bath_drake.field.critical_points import Kind
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 FIELD_CHECKSUM = "field_checksum"
 

@@ -28,7 +28,7 @@ from bath_drake.composition.chain import Chain, Gate
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 GATE = "gate"
 BRANCH = "branch"

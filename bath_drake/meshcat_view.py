@@ -17,13 +17,13 @@ from bath_drake.composition.chain import Chain
 from bath_drake.control.approach import Phase
 from bath_drake.errors import RunFolderError
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.files import write_atomically
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.report import style
 from bath_drake.report.keyframe import Keyframe
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.verification import Evaluation, pose_from_row
-from bath_drake.yaml_io import write_atomically
 
 ROOT = "/overlays"
 _FRAMES_PER_SECOND = 15.0

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bath_drake.rhythm.limit_cycle import LimitCycle
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 PERIODIC = "periodic"
 # A thousand harmonics are no hand's motion.

@@ -8,6 +8,7 @@ from pydrake.geometry import Meshcat
 
 from bath_drake.diagrams import build_reproduction
 from bath_drake.errors import RunFolderError
+from bath_drake.files import write_atomically
 from bath_drake.learning.skill import Skill
 from bath_drake.meshcat_view import record_overlays, write_static_page
 from bath_drake.report.page import write_report
@@ -16,7 +17,6 @@ from bath_drake.simulation import Progress, run
 from bath_drake.skill_file import save_skill
 from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.verification import Evaluation, evaluate
-from bath_drake.yaml_io import write_atomically
 
 SCENARIO, SKILL, LOG = "scenario.yaml", "skill.yaml", "log.npz"
 METRICS, REPORT, PAGE = "metrics.json", "report.html", "meshcat.html"

@@ -14,7 +14,8 @@ from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.schema import fill
-from bath_drake.yaml_io import Block, dump_yaml, read_yaml
+from bath_drake.yaml_block import Block
+from bath_drake.yaml_io import dump_yaml, read_yaml
 
 
 @dataclass(kw_only=True)

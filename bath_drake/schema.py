@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from types import NoneType, UnionType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 T = TypeVar("T")
 

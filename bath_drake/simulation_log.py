@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from bath_drake.errors import RunFolderError
+from bath_drake.files import read_bytes, write_atomically
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
-from bath_drake.yaml_io import read_bytes, write_atomically
 
 _MAX_BYTES = 512 * 1024 * 1024
 

@@ -39,11 +39,13 @@ from bath_drake.demonstrations.canonical import (
 from bath_drake.errors import SkillFileError
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field_file import chains_to_mapping, field_to_mapping, take_chains
+from bath_drake.files import write_atomically
 from bath_drake.learning.learner import LearningResult
 from bath_drake.learning.skill import Skill
 from bath_drake.rhythm.limit_cycle import LimitCycle
 from bath_drake.rhythm_file import PERIODIC, cycle_to_mapping, take_cycle
-from bath_drake.yaml_io import Block, dump_yaml, read_yaml, write_atomically
+from bath_drake.yaml_block import Block
+from bath_drake.yaml_io import dump_yaml, read_yaml
 
 SCHEMA_VERSION = 3
 _OLDER = 2

@@ -1,4 +1,4 @@
-"""Strict YAML, and files that are read within limits and written whole.
+"""Strict YAML: what is read, and what is written so that it comes back.
 
 Plain `yaml.safe_load` expands alias bombs, keeps the last of duplicate keys,
 reads ``1e-3`` as a string and ``no`` as false, and dies of deep nesting. What is
@@ -7,33 +7,21 @@ finite numbers; everything else is refused with its line.
 """
 
 import math
-import os
 import re
-import stat
-import tempfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any
 
 import yaml
 
 from bath_drake.errors import BathDrakeError
+from bath_drake.files import read_bytes
 
 MAX_YAML_BYTES = 256 * 1024
 MAX_DEPTH = 16
 # Longer integers are nobody's seed.
 MAX_DIGITS = 64
 
-T = TypeVar("T")
 _Error = type[BathDrakeError]
-_KINDS: dict[type, str] = {
-    float: "a number",
-    int: "an integer",
-    str: "text",
-    bool: "true or false",
-    list: "a list",
-    dict: "a mapping",
-}
 _TAG = "tag:yaml.org,2002:"
 _SCALARS = (
     ("bool", r"true|false", "tf"),
@@ -116,103 +104,6 @@ _Loader.add_constructor(_TAG + "float", _Loader.construct_finite)
 _Loader.add_constructor(_TAG + "int", _Loader.construct_short_int)
 
 
-class Block:
-    """One mapping of a YAML file, whose values are taken key by key.
-
-    Each take checks the kind and names the dotted key when it is wrong; `finish`
-    refuses the keys nobody took.
-    """
-
-    def __init__(
-        self,
-        mapping: dict[str, Any],
-        source: str,
-        key: str = "",
-        error: _Error = BathDrakeError,
-    ) -> None:
-        """Wraps a mapping; `key` is its dotted name, empty for the file."""
-        self._rest = dict(mapping)
-        self._known: list[str] = []
-        self._source = source
-        self._key = key
-        self._error = error
-
-    def fail(self, key: str, message: str) -> NoReturn:
-        """Raises the error of this file about one key."""
-        dotted = ".".join(part for part in (self._key, key) if part)
-        raise self._error(f"{self._source}: {dotted or 'file'}: {message}")
-
-    def has(self, key: str) -> bool:
-        """Whether a key is there and not yet taken; makes the key a known one."""
-        self._known.append(key)
-        return key in self._rest
-
-    def take(self, key: str, kind: type[T]) -> T:
-        """Returns the value of a key; int serves as float, true/false never do."""
-        if not self.has(key):
-            self.fail(key, f"is missing, expected {_KINDS[kind]}")
-        return self._checked(key, self._rest.pop(key), kind)
-
-    def take_null(self, key: str) -> bool:
-        """Whether the key's value is null; takes it if so."""
-        if not self.has(key) or self._rest[key] is not None:
-            return False
-        del self._rest[key]
-        return True
-
-    def is_list(self, key: str) -> bool:
-        """Whether a list stands under a key, which is left there."""
-        return self.has(key) and isinstance(self._rest[key], list)
-
-    def _checked(self, key: str, value: Any, kind: type[T]) -> T:
-        if kind is float and type(value) is int:
-            value = float(value)
-        if type(value) is not kind:
-            self.fail(key, f"found {_shown(repr(value))}, expected {_KINDS[kind]}")
-        return value
-
-    def take_list(self, key: str, kind: type[T], length: int | None = None) -> list[T]:
-        """Returns a list whose items are all of one kind, of one length if given."""
-        items = self.take(key, list)
-        if length is not None and len(items) != length:
-            self.fail(key, f"found {len(items)} items, expected {length}")
-        return [self._checked(f"{key}[{i}]", v, kind) for i, v in enumerate(items)]
-
-    def take_rows(
-        self, key: str, rows: int | None, columns: int | None
-    ) -> list[list[float]]:
-        """Returns a matrix of numbers, row by row; None takes any number of them."""
-        lists = self.take_list(key, list, rows)
-        named = {f"{key}[{i}]": row for i, row in enumerate(lists)}
-        block = Block(named, self._source, self._key, self._error)
-        return [block.take_list(name, float, columns) for name in named]
-
-    def take_block(self, key: str) -> "Block":
-        """Returns the mapping under a key."""
-        return self._inner(self.take(key, dict), key)
-
-    def take_blocks(self, key: str) -> list["Block"]:
-        """Returns the mappings of the list under a key."""
-        mappings = self.take_list(key, dict)
-        return [self._inner(m, f"{key}[{i}]") for i, m in enumerate(mappings)]
-
-    def _inner(self, mapping: dict[str, Any], key: str) -> "Block":
-        dotted = f"{self._key}.{key}".strip(".")
-        return Block(mapping, self._source, dotted, self._error)
-
-    def finish(self) -> None:
-        """Refuses keys that nobody asked for."""
-        for key in self._rest:
-            allowed = ", ".join(dict.fromkeys(self._known))
-            self.fail(_shown(key), f"unknown key, allowed: {allowed}")
-
-
-def _shown(text: str) -> str:
-    """A text as a short piece of one line."""
-    text = " ".join(text.split())
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
 def parse_yaml(
     text: str | bytes, *, source: str = "YAML", error: _Error = BathDrakeError
 ) -> dict[str, Any]:
@@ -281,79 +172,3 @@ def dump_yaml(data: dict[str, Any]) -> str:
     if kept != data:
         raise ValueError("holds values that YAML does not keep (tuples?)")
     return text
-
-
-def read_bytes(path: str | Path, *, limit: int, error: _Error) -> bytes:
-    """Returns a regular file's bytes; raises `error` if there is none or too many."""
-    try:
-        status = os.stat(path)
-        # A pipe or a device would block or never end.
-        if not stat.S_ISREG(status.st_mode):
-            kind = "a directory" if stat.S_ISDIR(status.st_mode) else "not a file"
-            raise error(f"{path}: found {kind}, expected a regular file")
-        if status.st_size > limit:
-            raise error(
-                f"{path}: {status.st_size} bytes, at most {limit} bytes are allowed"
-            )
-        with open(path, "rb") as file:
-            return file.read(limit + 1)[:limit]
-    except OSError as problem:
-        raise error(f"{path}: cannot be read: {problem.strerror}") from None
-    except BathDrakeError:
-        raise
-    except ValueError as problem:
-        raise error(f"{str(path)!r} is not a file name: {problem}") from None
-
-
-def check_output(path: str | Path, *, error: _Error = BathDrakeError) -> None:
-    """Raises `error` unless a file can be written at a path; touches nothing."""
-    path = Path(path)
-    if "\0" in str(path) or path.is_dir():
-        raise error(f"{str(path)!r} is not the name of a file to write")
-    if not path.parent.is_dir():
-        raise error(f"{path}: folder {path.parent} does not exist")
-    if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise error(f"{path}: folder {path.parent} cannot be written to")
-
-
-def write_atomically(
-    path: str | Path,
-    content: str | bytes | Callable[[Path], None],
-    *,
-    error: _Error = BathDrakeError,
-) -> None:
-    """Writes a file whole or not at all: a temporary neighbour, then one rename.
-
-    Args:
-        path: Where; an existing file is replaced.
-        content: Text (written as UTF-8), bytes, or a function that writes the
-            temporary file whose path (same suffix) it is given.
-        error: The exception to raise.
-
-    Raises:
-        BathDrakeError: As `error`, when the file cannot be written.
-    """
-    check_output(path, error=error)
-    path, temporary = Path(path), ""
-    try:
-        handle, temporary = tempfile.mkstemp(
-            prefix=f".{path.stem[:100]}-", suffix=path.suffix, dir=path.parent
-        )
-        os.close(handle)
-        if callable(content):
-            content(Path(temporary))
-        else:
-            data = content.encode() if isinstance(content, str) else content
-            Path(temporary).write_bytes(data)
-        # Renamed before its content is on disk, it could be empty after a power cut.
-        with open(temporary, "rb") as file:
-            os.fsync(file.fileno())
-        # mkstemp makes files for the owner alone; give what `open` would have.
-        os.umask(mask := os.umask(0))
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except OSError as problem:
-        raise error(f"{path}: cannot be written: {problem.strerror}") from None
-    finally:
-        if temporary:  # after the rename there is nothing left of it
-            Path(temporary).unlink(missing_ok=True)

@@ -14,7 +14,8 @@ from bath_drake.certificate_file import (
 )
 from bath_drake.composition.result import ChainCertificate, Handover
 from bath_drake.errors import SkillFileError
-from bath_drake.yaml_io import Block, dump_yaml, parse_yaml
+from bath_drake.yaml_block import Block
+from bath_drake.yaml_io import dump_yaml, parse_yaml
 
 FIELD = {"goal": [0.5, 0.0], "kappa": 4.0}
 BOX = Box(-0.1 - 0.2, 0.1, 1 / 3, 2 / 3)

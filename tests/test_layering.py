@@ -25,7 +25,8 @@ PURE = (
 ORDER = (
     ("errors", "notation", "resources", "doctor"),
     ("threads",),
-    ("yaml_io",),
+    ("files",),
+    ("yaml_io", "yaml_block"),
     ("schema", "field"),
     ("certificate",),
     ("composition",),

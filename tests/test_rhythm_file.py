@@ -11,7 +11,7 @@ from bath_drake.rhythm.limit_cycle import LimitCycle
 from bath_drake.rhythm_file import cycle_to_mapping, take_cycle
 from bath_drake.scenario import Scenario
 from bath_drake.skill_file import load_skill, save_skill, skill_to_mapping
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 CYCLE = LimitCycle(np.array([[0.1, 0.2], [0.3, -0.1]]) / 3.0, 1.1, 0.12, 0.01, 0.02)
 

@@ -4,7 +4,7 @@ import pytest
 
 from bath_drake.errors import ScenarioError
 from bath_drake.schema import fill
-from bath_drake.yaml_io import Block
+from bath_drake.yaml_block import Block
 
 
 @dataclass(kw_only=True)

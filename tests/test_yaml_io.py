@@ -9,16 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bath_drake.errors import BathDrakeError, ScenarioError
+from bath_drake.files import check_output, read_bytes, write_atomically
+from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import (
     MAX_DEPTH,
     MAX_YAML_BYTES,
-    Block,
-    check_output,
     dump_yaml,
     parse_yaml,
-    read_bytes,
     read_yaml,
-    write_atomically,
 )
 
 # Text that YAML can hold: no surrogates, no control characters but tab and newline.

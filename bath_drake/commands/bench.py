@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.benchmarks.registry import find
     from bath_drake.commands._progress import progress_bar
     from bath_drake.errors import BathDrakeError
-    from bath_drake.yaml_io import check_output, write_atomically
+    from bath_drake.files import check_output, write_atomically
 
     settings = Settings(
         data=options.data,

@@ -67,7 +67,6 @@ def run(options: argparse.Namespace) -> int:
     """Writes DEMO.csv, DEMO.yaml and DEMO.png, or none of them; returns 0."""
     import io
 
-    from bath_drake.commands._files import write_all
     from bath_drake.commands._progress import progress_bar
     from bath_drake.demonstrations.capture.demonstration import demonstration
     from bath_drake.demonstrations.capture.options import CaptureOptions
@@ -75,6 +74,8 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.demonstrations.processing import canonical_demonstrations
     from bath_drake.demonstrations.recording_text import file_texts
     from bath_drake.demonstrations.rgbd.folder import open_rgbd
+    from bath_drake.errors import DemonstrationError
+    from bath_drake.files import write_all
     from bath_drake.report import style
     from bath_drake.report.capture_figure import draw_capture
 
@@ -106,7 +107,8 @@ def run(options: argparse.Namespace) -> int:
             output.with_suffix(".png"): picture.getvalue(),
             output.with_suffix(".yaml"): metadata.encode(),
             output: table.encode(),
-        }
+        },
+        error=DemonstrationError,
     )
     print("\n".join(_summary(found, len(recording), output)))
     return 0
@@ -116,7 +118,7 @@ def _check_outputs(output: Path, folder: Path) -> None:
     """All three can be written, and none is a part of the recording."""
     from bath_drake.demonstrations.rgbd.writer import TIMESTAMPS
     from bath_drake.errors import DemonstrationError
-    from bath_drake.yaml_io import check_output
+    from bath_drake.files import check_output
 
     if output.suffix != ".csv":
         raise DemonstrationError(f"{output}: expected a name that ends in .csv")

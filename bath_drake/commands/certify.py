@@ -42,8 +42,8 @@ def run(options: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from bath_drake.commands._certification import certify_file
+    from bath_drake.files import write_atomically
     from bath_drake.skill_file import certified, save_skill
-    from bath_drake.yaml_io import write_atomically
 
     picture = _check_outputs(options)
     with tqdm(
@@ -85,7 +85,7 @@ def _strict_json(path: str, data: dict[str, Any]) -> str:
 def _check_outputs(options: argparse.Namespace) -> Path | None:
     """Refuses what cannot be written; returns where the picture goes, if anywhere."""
     from bath_drake.errors import BathDrakeError
-    from bath_drake.yaml_io import check_output
+    from bath_drake.files import check_output
 
     picture: Path | None = options.picture
     if options.output is not None:
@@ -104,10 +104,10 @@ def _check_outputs(options: argparse.Namespace) -> Path | None:
 
 def _write_picture(path: Path, found: "Certification") -> None:
     from bath_drake.errors import BathDrakeError
+    from bath_drake.files import write_atomically
     from bath_drake.report import style
     from bath_drake.report.certificate_figure import draw_certificate
     from bath_drake.report.chain_certificate_figure import draw_chain_certificates
-    from bath_drake.yaml_io import write_atomically
 
     def save(temporary: Path) -> None:
         figure.savefig(temporary, format="png", dpi=130, metadata={"Software": None})

@@ -17,10 +17,10 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.block_diagram import draw_block_diagram
     from bath_drake.diagrams import build_reproduction
     from bath_drake.errors import ScenarioError
+    from bath_drake.files import check_output, write_atomically
     from bath_drake.recording_diagram import build_recording
     from bath_drake.scenario import find_scenario, find_skill, load_scenario
     from bath_drake.skill_file import load_skill
-    from bath_drake.yaml_io import check_output, write_atomically
 
     source = find_scenario(options.scenario)
     path = options.out or Path(f"{source.stem}.svg")

@@ -65,10 +65,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Writes DEMO.csv and DEMO.yaml, or neither; returns 0."""
-    from bath_drake.commands._files import write_all
     from bath_drake.demonstrations.importing.demonstration import import_demonstration
     from bath_drake.demonstrations.processing import canonical_demonstrations
     from bath_drake.demonstrations.recording_text import file_texts
+    from bath_drake.errors import DemonstrationError
+    from bath_drake.files import write_all
 
     output: Path = options.output
     _check_output(output, options.file)
@@ -78,14 +79,17 @@ def run(options: argparse.Namespace) -> int:
     # What cannot be learned from is told now, and nothing is written.
     canonical_demonstrations([found.recording])
     table, metadata = file_texts(found.recording)
-    write_all({output.with_suffix(".yaml"): metadata.encode(), output: table.encode()})
+    write_all(
+        {output.with_suffix(".yaml"): metadata.encode(), output: table.encode()},
+        error=DemonstrationError,
+    )
     print("\n".join(_summary(found, output)))
     return 0
 
 
 def _check_output(output: Path, file: Path) -> None:
     from bath_drake.errors import DemonstrationError
-    from bath_drake.yaml_io import check_output
+    from bath_drake.files import check_output
 
     if output.suffix != ".csv":
         raise DemonstrationError(f"{output}: expected a name that ends in .csv")

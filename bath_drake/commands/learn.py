@@ -234,8 +234,8 @@ def _finished_before(path: Path, identity: dict[str, Any]) -> int | None:
 def _check_outputs(output: Path, files: Sequence[str]) -> None:
     """Refuses an output that cannot be written or would spoil an input."""
     from bath_drake.errors import BathDrakeError
+    from bath_drake.files import check_output
     from bath_drake.learning_figures.paths import NAMES, picture_path
-    from bath_drake.yaml_io import check_output
 
     if output.suffix not in (".yaml", ".yml"):
         raise BathDrakeError(f"-o: found {str(output)!r}, expected a name ending .yaml")

@@ -52,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.field.navigation import min_beta
     from bath_drake.field.obstacles import ObstacleSet
     from bath_drake.field.rollout import RolloutStatus
+    from bath_drake.files import check_output, write_atomically
     from bath_drake.rhythm.superposition import Room
     from bath_drake.rhythm.whole_motion import whole_motion
     from bath_drake.skill_file import load_skill
-    from bath_drake.yaml_io import check_output, write_atomically
 
     if options.output is not None:
         check_output(options.output)

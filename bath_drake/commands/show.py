@@ -32,9 +32,9 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.demonstrations.processing import canonical_demonstrations
     from bath_drake.demonstrations.recording import read_recording
     from bath_drake.errors import BathDrakeError
+    from bath_drake.files import check_output, write_atomically
     from bath_drake.report import style
     from bath_drake.report.recording_figure import draw_recordings
-    from bath_drake.yaml_io import check_output, write_atomically
 
     output: Path = options.output
     kinds = {".png": "png", ".svg": "svg", ".pdf": "pdf"}

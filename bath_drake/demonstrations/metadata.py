@@ -9,7 +9,8 @@ import numpy as np
 from bath_drake.demonstrations.canonical import AXES_TOLERANCE, read_only
 from bath_drake.errors import DemonstrationError
 from bath_drake.notation import FloatArray
-from bath_drake.yaml_io import Block, read_yaml
+from bath_drake.yaml_block import Block
+from bath_drake.yaml_io import read_yaml
 
 # No body is longer.
 MAX_EXTENT = 3.0

@@ -12,8 +12,8 @@ import numpy as np
 from bath_drake.demonstrations.canonical import read_only
 from bath_drake.demonstrations.metadata import RecordingMetadata, read_metadata
 from bath_drake.errors import DemonstrationError
+from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray
-from bath_drake.yaml_io import read_bytes
 
 MAX_BYTES = 16 * 1024 * 1024
 # Fewer samples tell no stroke from noise, and the smoothing spline needs five.

@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from bath_drake.demonstrations.metadata import BodyBox
+from bath_drake.files import write_atomically
 from bath_drake.notation import FloatArray
-from bath_drake.yaml_io import dump_yaml, write_atomically
+from bath_drake.yaml_io import dump_yaml
 
 SEED = 20
 BACK_WIDTH = 0.40

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.errors import BathDrakeError
+from bath_drake.files import write_atomically
 from bath_drake.learning.generalisation import Generalisation
 from bath_drake.learning.held_out import HeldOut
 from bath_drake.learning.learner import LearningResult
@@ -21,7 +22,6 @@ from bath_drake.report import style
 from bath_drake.report.cycle_figure import draw_cycle
 from bath_drake.report.generalisation_figure import draw_generalisation
 from bath_drake.rhythm.limit_cycle import LimitCycle
-from bath_drake.yaml_io import write_atomically
 
 DPI = 120
 

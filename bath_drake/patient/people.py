@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from bath_drake.errors import ScenarioError
+from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.resources import models_folder
-from bath_drake.yaml_io import Block, read_bytes, read_yaml
+from bath_drake.yaml_block import Block
+from bath_drake.yaml_io import read_yaml
 
 PARTS = ("body", "back", "hair", "trunks")
 LABEL_OTHER, LABEL_BACK, LABEL_HEAD = 0, 1, 2

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from bath_drake.control.approach import Phase
 from bath_drake.errors import RunFolderError
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.files import write_atomically
 from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.certificate_figure import draw_certificate
 from bath_drake.report.chain import ChainFigures, draw_chain
@@ -29,7 +30,6 @@ from bath_drake.report.tables import (
     provenance,
 )
 from bath_drake.safety.outcome import LoopOutcome
-from bath_drake.yaml_io import write_atomically
 
 REPORT_NAME = "report.html"
 _KEYFRAMES = 3

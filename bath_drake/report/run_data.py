@@ -19,6 +19,7 @@ from bath_drake.demonstrations.processing import (
 )
 from bath_drake.demonstrations.recording import read_recording
 from bath_drake.errors import BathDrakeError, RunFolderError
+from bath_drake.files import read_bytes
 from bath_drake.learning.generalisation import (
     Generalisation,
     evaluate_generalisation,
@@ -30,7 +31,6 @@ from bath_drake.scenario import Scenario, find_demonstration, load_scenario
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.skill_file import load_skill
 from bath_drake.verification import Evaluation, evaluate
-from bath_drake.yaml_io import read_bytes
 
 FILES = ("scenario.yaml", "skill.yaml", "log.npz", "metrics.json")
 _MAX_METRICS_BYTES = 4 * 1024 * 1024

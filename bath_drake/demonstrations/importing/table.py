@@ -18,8 +18,8 @@ from bath_drake.demonstrations.importing.columns import (
 )
 from bath_drake.demonstrations.importing.source import ImportOptions, Track
 from bath_drake.errors import DemonstrationError
+from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray
-from bath_drake.yaml_io import read_bytes
 
 MAX_BYTES = 64 * 1024 * 1024
 # An archive may hold far more than its own size.

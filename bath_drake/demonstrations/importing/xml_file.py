@@ -9,8 +9,8 @@ from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import fromstring
 
 from bath_drake.errors import DemonstrationError
+from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray
-from bath_drake.yaml_io import read_bytes
 
 MAX_BYTES = 128 * 1024 * 1024
 # A tag takes far more memory than its bytes. Five minutes of 100 Hz have a million.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from bath_drake.errors import DemonstrationError
-from bath_drake.yaml_io import read_bytes
+from bath_drake.files import read_bytes
 
 MAX_BYTES = 16 * 1024 * 1024
 

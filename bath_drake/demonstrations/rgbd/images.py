@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 
 from bath_drake.errors import DemonstrationError
+from bath_drake.files import read_bytes
 from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.yaml_io import read_bytes
 
 # A 16-bit image of the largest size has 25 MB before compression.
 MAX_BYTES = 64 * 1024 * 1024

@@ -8,9 +8,10 @@ from typing import Any, NoReturn
 import numpy as np
 
 from bath_drake.errors import DemonstrationError
+from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.yaml_io import Block, read_bytes
+from bath_drake.yaml_block import Block
 
 MAX_BYTES = 1024 * 1024
 # The largest image taken, pixels: that of an Azure Kinect.

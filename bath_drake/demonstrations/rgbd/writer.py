@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bath_drake.errors import DemonstrationError
+from bath_drake.files import write_atomically
 from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.yaml_io import write_atomically
 
 COLOUR, DEPTH = "color", "depth"
 INTRINSICS, TIMESTAMPS, TRUTH = "intrinsics.json", "timestamps.csv", "truth.npz"

@@ -16,8 +16,7 @@ from foreign_files import (
     write_model,
 )
 
-from bath_drake import yaml_io
-from bath_drake.commands._files import write_all
+from bath_drake import files
 from bath_drake.errors import DemonstrationError
 
 ROWS = np.column_stack([T, HAND])
@@ -91,16 +90,17 @@ def test_what_looks_like_another_unit_is_noted(imported, tmp_path):
 def test_an_earlier_demonstration_survives_a_failure(tmp_path, monkeypatch):
     old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
     old.write_bytes(b"before")
-    write = yaml_io.write_atomically
+    write = files.write_atomically
 
     def failing(path, content, *, error):
         if path.suffix == ".csv":
             raise error("no space")
         write(path, content, error=error)
 
-    monkeypatch.setattr(yaml_io, "write_atomically", failing)
+    monkeypatch.setattr(files, "write_atomically", failing)
+    together = {old: b"after", new: b"new", tmp_path / "a.csv": b""}
     with pytest.raises(DemonstrationError, match="no space"):
-        write_all({old: b"after", new: b"new", tmp_path / "a.csv": b""})
+        files.write_all(together, error=DemonstrationError)
     assert old.read_bytes() == b"before"
     assert not new.exists()
 

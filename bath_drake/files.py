@@ -1,0 +1,108 @@
+"""Files are read within limits, and written whole or not at all."""
+
+import os
+import stat
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from bath_drake.errors import BathDrakeError
+
+_Error = type[BathDrakeError]
+
+
+def read_bytes(path: str | Path, *, limit: int, error: _Error) -> bytes:
+    """Returns a regular file's bytes; raises `error` if there is none or too many."""
+    try:
+        status = os.stat(path)
+        # A pipe or a device would block or never end.
+        if not stat.S_ISREG(status.st_mode):
+            kind = "a directory" if stat.S_ISDIR(status.st_mode) else "not a file"
+            raise error(f"{path}: found {kind}, expected a regular file")
+        if status.st_size > limit:
+            raise error(
+                f"{path}: {status.st_size} bytes, at most {limit} bytes are allowed"
+            )
+        with open(path, "rb") as file:
+            return file.read(limit + 1)[:limit]
+    except OSError as problem:
+        raise error(f"{path}: cannot be read: {problem.strerror}") from None
+    except BathDrakeError:
+        raise
+    except ValueError as problem:
+        raise error(f"{str(path)!r} is not a file name: {problem}") from None
+
+
+def check_output(path: str | Path, *, error: _Error = BathDrakeError) -> None:
+    """Raises `error` unless a file can be written at a path; touches nothing."""
+    path = Path(path)
+    if "\0" in str(path) or path.is_dir():
+        raise error(f"{str(path)!r} is not the name of a file to write")
+    if not path.parent.is_dir():
+        raise error(f"{path}: folder {path.parent} does not exist")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise error(f"{path}: folder {path.parent} cannot be written to")
+
+
+def write_atomically(
+    path: str | Path,
+    content: str | bytes | Callable[[Path], None],
+    *,
+    error: _Error = BathDrakeError,
+) -> None:
+    """Writes a file whole or not at all: a temporary neighbour, then one rename.
+
+    Args:
+        path: Where; an existing file is replaced.
+        content: Text (written as UTF-8), bytes, or a function that writes the
+            temporary file whose path (same suffix) it is given.
+        error: The exception to raise.
+
+    Raises:
+        BathDrakeError: As `error`, when the file cannot be written.
+    """
+    check_output(path, error=error)
+    path, temporary = Path(path), ""
+    try:
+        handle, temporary = tempfile.mkstemp(
+            prefix=f".{path.stem[:100]}-", suffix=path.suffix, dir=path.parent
+        )
+        os.close(handle)
+        if callable(content):
+            content(Path(temporary))
+        else:
+            data = content.encode() if isinstance(content, str) else content
+            Path(temporary).write_bytes(data)
+        # Renamed before its content is on disk, it could be empty after a power cut.
+        with open(temporary, "rb") as file:
+            os.fsync(file.fileno())
+        # mkstemp makes files for the owner alone; give what `open` would have.
+        os.umask(mask := os.umask(0))
+        os.chmod(temporary, 0o666 & ~mask)
+        os.replace(temporary, path)
+    except OSError as problem:
+        raise error(f"{path}: cannot be written: {problem.strerror}") from None
+    finally:
+        if temporary:  # after the rename there is nothing left of it
+            Path(temporary).unlink(missing_ok=True)
+
+
+def write_all(files: dict[Path, bytes], *, error: _Error = BathDrakeError) -> None:
+    """Writes files that belong together, or puts back what was there before.
+
+    Raises:
+        BathDrakeError: As `error`, when one cannot be written.
+    """
+    before: dict[Path, bytes | None] = {}
+    try:
+        for path, content in files.items():
+            old = path.read_bytes() if path.is_file() else None
+            write_atomically(path, content, error=error)
+            before[path] = old
+    except BaseException:  # an interrupt, too, must leave no half
+        for path, old in before.items():
+            if old is None:
+                path.unlink(missing_ok=True)
+            else:
+                write_atomically(path, old, error=error)
+        raise
