@@ -241,7 +241,8 @@ def _min_beta(log: SimulationLog, washing: IntArray) -> float | None:
         return None
     # Each point in the world that was driven in then.
     at = np.searchsorted(log.world_time, log.time[washing], side="right") - 1
-    points = log.canonical_position[washing]
+    # Virtual obstacles shape the discrete motion; cycles on it may cross them.
+    points = (log.canonical_position - log.canonical_offset)[washing]
     least = [
         min_beta(points[at == k], unpack_field(log.worlds[k])).min()
         for k in np.unique(at)

@@ -58,14 +58,6 @@ def canonical_demonstrations(
     if not recordings:
         raise ValueError("no recordings given")
     _check_alike(recordings)
-    for recording in recordings:
-        if gaps := recording.metadata.gaps:
-            _log.warning(
-                "%s: %d gaps, %.2f s in all, are bridged",
-                recording.path,
-                len(gaps),
-                sum(end - start for start, end in gaps),
-            )
     parts = [take_apart(recording) for recording in recordings]
     smooth = [
         denoise(recording.t, recording.points)
@@ -74,20 +66,7 @@ def canonical_demonstrations(
         for recording, part in zip(recordings, parts, strict=True)
     ]
     for recording, path, part in zip(recordings, smooth, parts, strict=True):
-        if part.period is not None:
-            _log.info(
-                "%s: %.1f cycles of %.2f s and %.3g m taken off",
-                recording.path,
-                part.cycles,
-                part.period,
-                part.amplitude,
-            )
-        _log.info(
-            "%s: %d outliers left out, smoothed at %.2f Hz",
-            recording.path,
-            path.outliers.size,
-            path.cutoff,
-        )
+        _tell(recording, path, part)
     frames = _frames(recordings, smooth)
     resampled = [
         _resampled(path, frame, count)
@@ -121,6 +100,30 @@ def canonical_demonstrations(
             )
         )
     return tuple(demonstrations), frames[0]
+
+
+def _tell(recording: Recording, path: DenoisedPath, part: Separation) -> None:
+    if gaps := recording.metadata.gaps:
+        _log.warning(
+            "%s: %d gaps, %.2f s in all, are bridged",
+            recording.path,
+            len(gaps),
+            sum(end - start for start, end in gaps),
+        )
+    if part.period is not None:
+        _log.info(
+            "%s: %.1f cycles of %.2f s and %.3g m taken off",
+            recording.path,
+            part.cycles,
+            part.period,
+            part.amplitude,
+        )
+    _log.info(
+        "%s: %d outliers left out, smoothed at %.2f Hz",
+        recording.path,
+        path.outliers.size,
+        path.cutoff,
+    )
 
 
 def without_strays(

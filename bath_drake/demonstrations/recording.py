@@ -76,7 +76,7 @@ def read_recording(path: str | Path) -> Recording:
     """
     path = Path(path)
     data = read_bytes(path, limit=MAX_BYTES, error=DemonstrationError)
-    lines = _text(path, data).rstrip().splitlines()
+    lines = csv_text(path, data).rstrip().splitlines()
     if not lines:
         raise DemonstrationError(
             f"{path}: the file is empty, expected a header line and rows t, x, y[, z]"
@@ -108,7 +108,8 @@ def read_recording(path: str | Path) -> Recording:
     )
 
 
-def _text(path: Path, data: bytes) -> str:
+def csv_text(path: Path, data: bytes) -> str:
+    """A file's bytes as text; DemonstrationError if they are none."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:

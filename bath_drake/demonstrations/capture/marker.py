@@ -24,7 +24,6 @@ MIN_VISIBLE = 0.3
 NEAR = 0.08
 # A blob wider than the marker by this is something else.
 LARGEST = 1.6
-NEAR = 0.08
 # Radii that a marker may have, m.
 RADII = (0.003, 0.05)
 FIT_STEPS = 10

@@ -16,7 +16,11 @@ from typing import Any
 import numpy as np
 
 from bath_drake.demonstrations.gaps import fill_gaps
-from bath_drake.demonstrations.importing.source import ImportOptions, Track
+from bath_drake.demonstrations.importing.source import (
+    ImportOptions,
+    Track,
+    listed,
+)
 from bath_drake.demonstrations.metadata import MAX_EXTENT, BodyBox
 from bath_drake.demonstrations.recording import LENGTH_UNITS
 from bath_drake.errors import DemonstrationError
@@ -29,7 +33,6 @@ _WORKER = "bath_drake.demonstrations.importing.c3d_worker"
 _PACKAGES = Path(__file__).parents[3]
 # For --body-markers: the path stays in the laboratory's frame.
 NO_BODY = "none"
-_MOST_NAMES = 20
 _BLOCK = 512
 # What the parameters' fourth byte tells of numbers as PCs write them.
 _INTEL = 84
@@ -152,7 +155,7 @@ def _marker(
     if not name:
         raise DemonstrationError(
             f"{path}: say which marker is the hand's with --marker; there are: "
-            f"{_listed(names)}"
+            f"{listed(names)}"
         )
     found = [k for k, own in enumerate(names) if own == name]
     found = found or [k for k, own in enumerate(names) if own.split(":")[-1] == name]
@@ -160,7 +163,7 @@ def _marker(
         how = "no marker" if not found else f"{len(found)} markers"
         raise DemonstrationError(
             f"{path}: found {how} {name!r}; say which with {option}; there are: "
-            f"{_listed(names)}"
+            f"{listed(names)}"
         )
     track = points[:, found[0]].T.copy()
     # Some systems write zeros where they saw nothing.
@@ -198,8 +201,3 @@ def _on_back(
             f"apart, allowed: {MAX_EXTENT:g} m (millimetres? then --units mm)"
         )
     return on_back, BodyBox(np.zeros(3), np.eye(3), extents)
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(names[:_MOST_NAMES]) + more or "none"

@@ -2,14 +2,15 @@
 
 import itertools
 import re
-from collections.abc import Iterable
 from pathlib import Path
 
-from bath_drake.demonstrations.importing.source import TIME_UNITS, ImportOptions
+from bath_drake.demonstrations.importing.source import (
+    TIME_UNITS,
+    ImportOptions,
+    listed,
+)
 from bath_drake.demonstrations.recording import LENGTH_UNITS
 from bath_drake.errors import DemonstrationError
-
-_MOST_NAMES = 12
 
 # What programs call them, in lower case, without a unit.
 _TIME = ("t", "time", "timestamp", "stamp", "secs", "seconds", "sec")
@@ -112,10 +113,3 @@ def factor(path: Path, name: str, key: str, options: ImportOptions) -> float:
             f"{', '.join(known)}; say which with {option}"
         )
     return known[unit]
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names for a message, the first of them if there are many."""
-    names = list(names)
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(map(str, names[:_MOST_NAMES])) + more or "none"

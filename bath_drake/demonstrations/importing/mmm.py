@@ -18,7 +18,11 @@ from bath_drake.demonstrations.importing.mmm_model import (
     read_model,
     rotation_rpy,
 )
-from bath_drake.demonstrations.importing.source import ImportOptions, Track
+from bath_drake.demonstrations.importing.source import (
+    ImportOptions,
+    Track,
+    listed,
+)
 from bath_drake.demonstrations.importing.xml_file import numbers, read_xml, text_of
 from bath_drake.errors import DemonstrationError
 from bath_drake.notation import FloatArray
@@ -31,7 +35,6 @@ _JOINTS = ("JointOrder/Joint", "Sensors/Sensor/Configuration/Joint")
 MAX_HEIGHT = 3.0
 _MAX_FRAMES = 1_000_000
 _SAME_TIME = 1e-6
-_MOST_NAMES = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,7 @@ def read_mmm(path: Path, options: ImportOptions) -> Track:
     if not options.segment:
         raise DemonstrationError(
             f"{path}: say which segment is the hand's with --segment; {options.model} "
-            f"has: {_listed(model.names)}"
+            f"has: {listed(model.names)}"
         )
     points = segment_path(path, motion, model, options.segment)
     return Track(motion.t, points, f"segment {options.segment}", frame="world")
@@ -125,7 +128,7 @@ def _chosen(path: Path, motions: list[Any], name: str) -> Any:
         how = f"{len(found)} motions {name!r}" if name else f"{len(motions)} motions"
         raise DemonstrationError(
             f"{path}: found {how}; say which with --motion; there are: "
-            f"{_listed(tuple(m.get('name', '') for m in motions))}"
+            f"{listed(tuple(m.get('name', '') for m in motions))}"
         )
     return found[0]
 
@@ -141,7 +144,7 @@ def segment_path(
     """
     if segment not in model.names:
         raise DemonstrationError(
-            f"{path}: --segment: found {segment!r}; allowed: {_listed(model.names)}"
+            f"{path}: --segment: found {segment!r}; allowed: {listed(model.names)}"
         )
     angles = {name: motion.angles[:, k] for k, name in enumerate(motion.joints)}
     if len(angles) < len(motion.joints):
@@ -252,8 +255,3 @@ def _check_count(path: Path, count: int) -> None:
         raise DemonstrationError(
             f"{path}: found {count} frames, allowed: 1 to {_MAX_FRAMES}"
         )
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(names[:_MOST_NAMES]) + more or "none"

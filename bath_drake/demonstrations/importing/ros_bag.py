@@ -6,7 +6,11 @@ from typing import Any
 import numpy as np
 
 from bath_drake.demonstrations.importing.checks import MAX_SAMPLES
-from bath_drake.demonstrations.importing.source import ImportOptions, Track
+from bath_drake.demonstrations.importing.source import (
+    ImportOptions,
+    Track,
+    listed,
+)
 from bath_drake.errors import DemonstrationError
 
 # Where the point is in each kind of message.
@@ -15,7 +19,6 @@ KINDS = {
     "geometry_msgs/msg/PointStamped": ("point",),
     "geometry_msgs/msg/TransformStamped": ("transform", "translation"),
 }
-_MOST_NAMES = 20
 
 
 def read_bag(path: Path, options: ImportOptions) -> Track:
@@ -85,16 +88,15 @@ def _messages(
 
 def _chosen(path: Path, topics: dict[str, str], told: str) -> str:
     names = sorted(topics)
-    listed = ", ".join(names[:_MOST_NAMES]) or "none"
     if told and told not in topics:
         raise DemonstrationError(
             f"{path}: --topic: found no topic {told!r} of poses, points or transforms; "
-            f"there are: {listed}"
+            f"there are: {listed(names)}"
         )
     if not told and len(names) != 1:
         raise DemonstrationError(
             f"{path}: found {len(names)} topics of poses, points or transforms; say "
-            f"which with --topic; there are: {listed}"
+            f"which with --topic; there are: {listed(names)}"
         )
     return told or names[0]
 

@@ -1,14 +1,18 @@
 """What any importer makes of a file, and what all of them ask for."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from bath_drake.demonstrations import recording
 from bath_drake.demonstrations.metadata import BodyBox
 from bath_drake.demonstrations.recording import LENGTH_UNITS
 from bath_drake.notation import FloatArray
 
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+TIME_UNITS = recording.TIME_UNITS | {"ns": 1e-9}
+# Of names in a message.
+_MOST_NAMES = 20
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,3 +90,10 @@ class Track:
         return Track(
             self.t[kept], self.points[kept], self.what, places, self.box, self.frame
         )
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names for a message, the first of them if there are many."""
+    names = list(names)
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return ", ".join(map(str, names[:_MOST_NAMES])) + more or "none"

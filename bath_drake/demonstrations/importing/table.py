@@ -14,9 +14,13 @@ from bath_drake.demonstrations.importing.columns import (
     choose_columns,
     choose_time,
     factor,
+)
+from bath_drake.demonstrations.importing.source import (
+    ImportOptions,
+    Track,
     listed,
 )
-from bath_drake.demonstrations.importing.source import ImportOptions, Track
+from bath_drake.demonstrations.recording import csv_text
 from bath_drake.errors import DemonstrationError
 from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray
@@ -35,14 +39,7 @@ def read_csv(path: Path, options: ImportOptions) -> Track:
         DemonstrationError: Naming the file and the line or the column.
     """
     data = read_bytes(path, limit=MAX_BYTES, error=DemonstrationError)
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise DemonstrationError(
-            f"{path}: byte {problem.start} is not UTF-8 text, expected a table"
-        ) from None
-    if "\0" in text:
-        raise DemonstrationError(f"{path}: binary data, expected a table")
+    text = csv_text(path, data)
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
