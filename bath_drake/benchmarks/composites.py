@@ -18,12 +18,13 @@ class Composite:
     amplitude: float
 
 
-def random_composite(rng: np.random.Generator) -> Composite:
+def random_composite(rng: np.random.Generator, hard: bool = False) -> Composite:
     """A slow stroke of 20 to 50 cm with 8 to 25 cycles of 1.5 to 6 cm on top.
 
     Line, arc, sine or S; circle, ellipse, straight scrubbing or figure of eight; the
     rate drifts by up to 20 %, to one side or to and fro; 15 to 100 samples a second
-    with up to 1.5 mm of noise.
+    with up to 1.5 mm of noise. Hard ones have from 5 cycles on, which set in and end
+    within the stroke.
     """
     duration, rate = rng.uniform(6.0, 20.0), rng.choice([15.0, 30.0, 60.0, 100.0])
     t = np.arange(0.0, duration, 1.0 / rate)
@@ -31,7 +32,7 @@ def random_composite(rng: np.random.Generator) -> Composite:
     share = t / t[-1]
     hand = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     stroke = _turned(rng, _stroke(rng, hand if rng.random() < 0.5 else share))
-    cycles = rng.uniform(8.0, min(25.0, t[-1] / 0.5))
+    cycles = rng.uniform(5.0 if hard else 8.0, min(25.0, t[-1] / 0.5))
     drift = rng.uniform(-0.2, 0.2)
     if rng.random() < 0.5:
         turns = cycles * (share + 0.5 * drift * (share**2 - share))
@@ -39,8 +40,16 @@ def random_composite(rng: np.random.Generator) -> Composite:
         turns = cycles * (share + drift * np.sin(2.0 * np.pi * share) / (2.0 * np.pi))
     amplitude = rng.uniform(0.015, 0.06)
     cycle = _turned(rng, amplitude * _cycle(rng, 2.0 * np.pi * (turns + rng.random())))
+    period = float(t[-1] / cycles)
+    if hard:
+        first, last = rng.uniform(0.0, 0.15), rng.uniform(0.85, 1.0)
+        fade = np.clip(np.minimum(share - first, last - share) / 0.08, 0.0, 1.0)
+        cycle = cycle * (fade**2 * (3.0 - 2.0 * fade))[:, None]
+        # The rate drifts: the mean is that of the part that is there.
+        there = np.flatnonzero(fade >= 0.5)[[0, -1]]
+        period = float(np.diff(t[there])[0] / np.diff(turns[there])[0])
     noise = rng.normal(0.0, rng.uniform(2e-4, 1.5e-3), stroke.shape)
-    return Composite(t, stroke + cycle + noise, stroke, t[-1] / cycles, amplitude)
+    return Composite(t, stroke + cycle + noise, stroke, period, amplitude)
 
 
 def _stroke(rng: np.random.Generator, s: FloatArray) -> FloatArray:

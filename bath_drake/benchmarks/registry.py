@@ -13,6 +13,7 @@ NAMES = (
     "strokes",
     "frechet",
     "demonstrations",
+    "capture",
     "perception",
     "loop",
     "soak",
@@ -63,6 +64,12 @@ def _demonstrations(settings: Settings, progress: Progress) -> Report:
     return run(progress)
 
 
+def _capture(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.capture import run
+
+    return run(progress)
+
+
 _LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
 BENCHMARKS = {
     "field": Benchmark(_field),
@@ -70,6 +77,7 @@ BENCHMARKS = {
     "lasa": Benchmark(_lasa, _LEARNING | {"data"}),
     "frechet": Benchmark(_frechet, frozenset({"peers"})),
     "demonstrations": Benchmark(_demonstrations),
+    "capture": Benchmark(_capture),
 }
 
 
