@@ -296,12 +296,14 @@ def _chain_figures(run: RunData) -> ChainFigures:
         shape = f"{len(chain)} fields"
     held = int(sum(m["holds"].values()))
     periodic = m.get("periodic")
-    cycles = f", {number(periodic['cycles'])} cycles" if periodic else ""
+    beta = f"min β {number(m.get('min_beta'))}"
+    if periodic:
+        beta = f"β ≥ {number(m.get('min_beta'))}, {periodic['cycles']:.0f} cycles"
     return ChainFigures(
         camera=f"{int(log.frames)} frames",
         segmenter=f"{100 * reach[0]:.0f} % of it visible",
         projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm",
-        controller=f"min β {number(m.get('min_beta'))}{cycles}",
+        controller=beta,
         obstacles=f"{chain.obstacle_count} ellipses, {shape}",
         areas=f"{sensed} found",
         proof=str(m["certificate"]["verdict"]),
