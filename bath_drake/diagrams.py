@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
+from pydrake.systems.framework import Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import (
     ConstantVectorSource,
     Demultiplexer,
@@ -28,7 +28,12 @@ from bath_drake.scene import (
     add_scene,
     home_position,
 )
-from bath_drake.scene.sensing import add_depth_noise, add_frame_recorder
+from bath_drake.scene.sensing import (
+    CameraPorts,
+    add_camera_faults,
+    add_camera_noise,
+    add_frame_recorder,
+)
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
@@ -71,9 +76,8 @@ def build_perception(scenario: Scenario) -> Diagram:
     """The scene, the camera and what is made of its images; the arm stays at home."""
     builder = DiagramBuilder()
     scene = add_scene(builder, scenario.scene)
-    perception = _add_perception(
-        builder, scenario, scene, _depth(builder, scenario, scene)
-    )
+    camera = _add_sensor(builder, scenario, scene)
+    perception = _add_perception(builder, scenario, scene, camera)
     rest = np.concatenate([home_position(scenario.scene.arm), np.zeros(7)])
     command = builder.AddNamedSystem(
         "joint_command", ConstantVectorSource(drake_vector(rest))
@@ -112,16 +116,15 @@ def build_reproduction(
     """
     builder = DiagramBuilder()
     scene = add_scene(builder, scenario.scene)
-    depth = _depth(builder, scenario, scene)
-    perception = _add_perception(builder, scenario, scene, depth)
+    camera = _add_sensor(builder, scenario, scene)
+    perception = _add_perception(builder, scenario, scene, camera)
     control = add_control(builder, scenario, skill)
     _close_loop(builder, scene, perception, control)
     _add_logs(builder, scene, {**perception, **control})
     if write_frame is not None:
         add_frame_recorder(
             builder,
-            colour=scene.camera.color_image_output_port(),
-            depth=depth,
+            ports=camera,
             config=scenario.scene.camera,
             period=1.0 / scenario.perception.camera_rate,
             write=write_frame,
@@ -139,11 +142,16 @@ def build_reproduction(
     return diagram
 
 
-def _depth(builder: DiagramBuilder, scenario: Scenario, scene: Scene) -> OutputPort:
-    """What the loop gets of the camera's depth: noisy if the scenario says so."""
-    return add_depth_noise(
+def _add_sensor(
+    builder: DiagramBuilder, scenario: Scenario, scene: Scene
+) -> CameraPorts:
+    """The camera's images, noisy if the scenario says so."""
+    return add_camera_noise(
         builder,
-        scene.camera.depth_image_32F_output_port(),
+        CameraPorts(
+            scene.camera.color_image_output_port(),
+            scene.camera.depth_image_32F_output_port(),
+        ),
         scenario.scene.camera,
         seed=scenario.random_seed,
         period=1.0 / scenario.perception.camera_rate,
@@ -151,7 +159,7 @@ def _depth(builder: DiagramBuilder, scenario: Scenario, scene: Scene) -> OutputP
 
 
 def _add_perception(
-    builder: DiagramBuilder, scenario: Scenario, scene: Scene, depth: OutputPort
+    builder: DiagramBuilder, scenario: Scenario, scene: Scene, camera: CameraPorts
 ) -> dict[str, Any]:
     config = scenario.perception
     systems = add_all(
@@ -174,15 +182,27 @@ def _add_perception(
     segmenter = systems["body_segmenter"]
     projector = systems["canonical_projector"]
     detector = systems["restricted_area_detector"]
-    builder.Connect(
-        scene.camera.color_image_output_port(), segmenter.GetInputPort("colour_image")
-    )
-    builder.Connect(depth, segmenter.GetInputPort("depth_image"))
     split = systems["arm_position"]
     builder.Connect(
         scene.plant.get_state_output_port(scene.arm), split.get_input_port()
     )
-    builder.Connect(split.get_output_port(0), segmenter.GetInputPort("arm_position"))
+    now = split.get_output_port(0)
+    come = add_camera_faults(
+        builder,
+        camera,
+        now,
+        scenario.scene.camera,
+        seed=scenario.random_seed,
+        period=1.0 / config.camera_rate,
+    )
+    for port, name in (
+        (come.colour, "colour_image"),
+        (come.depth, "depth_image"),
+        (come.arm_position or now, "arm_position"),
+        (come.stamp, "frame_stamp"),
+    ):
+        if port is not None:
+            builder.Connect(port, segmenter.GetInputPort(name))
     connect(builder, segmenter, "body_observation", [projector, detector])
     connect(builder, projector, "canonical_map", [detector])
     return systems

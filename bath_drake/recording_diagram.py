@@ -21,7 +21,11 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.scenario import Scenario, find_demonstration
 from bath_drake.scene.carer import add_carer, carer_arm
 from bath_drake.scene.config import check_scene
-from bath_drake.scene.sensing import add_depth_noise, add_frame_recorder
+from bath_drake.scene.sensing import (
+    CameraPorts,
+    add_camera_noise,
+    add_frame_recorder,
+)
 from bath_drake.scene.studio import add_studio, true_person_pose
 from bath_drake.systems.frame_recorder import WriteFrame
 
@@ -81,20 +85,18 @@ def build_recording(
     studio = add_studio(builder, scene_graph, scenario.scene, person)
     add_carer(builder, studio, carer, arm)
     camera, period = scenario.scene.camera, 1.0 / scenario.perception.camera_rate
-    depth = add_depth_noise(
+    ports = add_camera_noise(
         builder,
-        studio.camera.depth_image_32F_output_port(),
+        CameraPorts(
+            studio.camera.color_image_output_port(),
+            studio.camera.depth_image_32F_output_port(),
+        ),
         camera,
         seed=scenario.random_seed,
         period=period,
     )
     add_frame_recorder(
-        builder,
-        colour=studio.camera.color_image_output_port(),
-        depth=depth,
-        config=camera,
-        period=period,
-        write=write_frame,
+        builder, ports=ports, config=camera, period=period, write=write_frame
     )
     diagram = builder.Build()
     diagram.set_name("recording")

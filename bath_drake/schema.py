@@ -5,18 +5,32 @@ Drake's `yaml_load_typed` does the same job but its messages name no key.
 
 from dataclasses import fields, is_dataclass
 from types import NoneType, UnionType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Protocol, TypeVar, get_args, get_origin, get_type_hints
 
 from bath_drake.yaml_block import Block
 
 T = TypeVar("T")
 
 
+class Completed(Protocol):
+    """A schema whose defaults depend on what is given."""
+
+    @staticmethod
+    def complete(given: dict[str, Any]) -> dict[str, Any]:
+        """Returns the values for what is given and what follows from it.
+
+        Raises:
+            ValueError: "key: found ..., allowed ..." if nothing follows.
+        """
+        ...
+
+
 def fill(schema: type[T], block: Block) -> T:
     """Returns an instance of `schema` with the block's values in place of defaults.
 
     Fields may be bool, int, float, str, lists of those, lists of lists of floats, other
-    such dataclasses, and any of them or None (`X | None`).
+    such dataclasses, and any of them or None (`X | None`). A schema with a method
+    `complete` (see `Completed`) says itself what follows from the values given.
 
     Args:
         schema: A dataclass whose every field has a default.
@@ -31,6 +45,13 @@ def fill(schema: type[T], block: Block) -> T:
         if block.has(field.name):
             values[field.name] = _take(block, field.name, kinds[field.name])
     block.finish()
+    complete = getattr(schema, "complete", None)
+    if complete is not None:
+        try:
+            values = complete(values)
+        except ValueError as error:
+            key, _, message = str(error).partition(": ")
+            block.fail(key, message)
     return schema(**values)
 
 

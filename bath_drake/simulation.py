@@ -83,13 +83,8 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
     observation = _output(diagram, context, "body_segmenter", "body_observation")
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
-    colour = _output(diagram, context, "camera", "color_image").data
-    # As the loop saw it.
-    if diagram.HasSubsystemNamed("kinect_noise"):
-        image = _output(diagram, context, "kinect_noise", "noisy_depth_image")
-    else:
-        image = _output(diagram, context, "camera", "depth_image_32f")
-    depth = image.data
+    colour = _last_image(diagram, context, "colour")
+    depth = _last_image(diagram, context, "depth")
     completed = float(np.sum(observation.completed_areas))
     hidden = 1.0 - observation.area / completed if completed > 0.0 else 1.0
     return {
@@ -103,6 +98,19 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
         "world": _packed_world(diagram, context),
         "reach": (observation.visible_fraction, hidden),
     }
+
+
+def _last_image(diagram: Diagram, context: Context, kind: str) -> Any:
+    """As the loop saw it: with what noise and faults the Diagram has."""
+    rendered = {"colour": "color_image", "depth": "depth_image_32f"}[kind]
+    for system, port in (
+        ("camera_faults", f"{kind}_image"),
+        (f"{kind}_noise", f"noisy_{kind}_image"),
+        ("camera", rendered),
+    ):
+        if diagram.HasSubsystemNamed(system):
+            return _output(diagram, context, system, port).data
+    raise RuntimeError("the Diagram has no camera")
 
 
 def _packed_world(diagram: Diagram, context: Context) -> FloatArray:

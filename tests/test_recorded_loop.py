@@ -42,7 +42,7 @@ def test_the_frames_are_those_the_loop_sees(recorded):
     assert observation.found
     # The noise, too, is that of the same instant.
     again = diagram.CreateDefaultContext()
-    seen = output(diagram, again, "kinect_noise", "noisy_depth_image")
+    seen = output(diagram, again, "depth_noise", "noisy_depth_image")
     np.testing.assert_array_equal(frames[0][2], seen.data[..., 0])
 
 
@@ -52,8 +52,8 @@ def test_recorder_and_noise_add_their_own_wires_and_move_one(recorded):
     noisy = set(wiring_lines(diagram))
     assert noisy - plain == {
         "camera.color_image -> frame_recorder.colour_image",
-        "camera.depth_image_32f -> kinect_noise.depth_image",
-        "kinect_noise.noisy_depth_image -> body_segmenter.depth_image",
-        "kinect_noise.noisy_depth_image -> frame_recorder.depth_image",
+        "camera.depth_image_32f -> depth_noise.depth_image",
+        "depth_noise.noisy_depth_image -> body_segmenter.depth_image",
+        "depth_noise.noisy_depth_image -> frame_recorder.depth_image",
     }
     assert plain - noisy == {"camera.depth_image_32f -> body_segmenter.depth_image"}

@@ -1,6 +1,7 @@
 """Every number of the scene, as a schema for scenario files."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -8,18 +9,24 @@ from bath_drake.carer.config import CarerConfig, check_carer
 from bath_drake.notation import FloatArray
 from bath_drake.patient.motion import MotionConfig, check_motion
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.colour_noise import ColourNoiseConfig, check_colour_noise
+from bath_drake.perception.depth_sensor import CAMERA_MODELS
+from bath_drake.perception.faults import FaultsConfig, check_faults
 
-CAMERA_NOISES = ("none", "kinect_v2")
+CAMERA_NOISES = ("none", *CAMERA_MODELS)
 
 
 @dataclass(kw_only=True)
 class CameraConfig:
     """The depth camera; the intrinsics are those of a Kinect v2.
 
-    It looks from steeply above and behind in the person's plane of symmetry: the arm
-    works from below, so that little of it comes between camera and back.
+    A scenario that names a `model` has that one's size, intrinsics, range and noise,
+    but for those that it gives itself. It looks from steeply above and behind in the
+    person's plane of symmetry: the arm works from below, so that little of it comes
+    between camera and back.
     """
 
+    model: str = "kinect_v2"  # or azure_kinect, realsense_d435
     width: int = 512  # pixels
     height: int = 424  # pixels
     fx: float = 365.456  # pixels
@@ -32,7 +39,26 @@ class CameraConfig:
     target: list[float] = field(
         default_factory=lambda: [0.78, 0.0, 0.78]
     )  # m, W, what it looks at
-    noise: str = "none"  # of its depth: none, or kinect_v2
+    noise: str = "none"  # of its depth: none, or that of a model
+    colour_noise: ColourNoiseConfig | None = None
+    faults: FaultsConfig = field(default_factory=FaultsConfig)
+
+    @staticmethod
+    def complete(given: dict[str, Any]) -> dict[str, Any]:
+        """Returns the values of a camera of which some are given.
+
+        Raises:
+            ValueError: If there is no such model.
+        """
+        name = given.get("model")
+        if name is None:
+            return given
+        _check_name("model", name, tuple(CAMERA_MODELS))
+        camera, sensor = CAMERA_MODELS[name].camera, CAMERA_MODELS[name].sensor
+        sizes = {k: getattr(camera, k) for k in ("width", "height")}
+        lenses = {k: getattr(camera, k) for k in ("fx", "fy", "cx", "cy")}
+        reach = {"near": sensor.near, "far": sensor.far, "noise": name}
+        return sizes | lenses | reach | given
 
     def pinhole(self) -> PinholeCamera:
         """Returns the camera's projection."""
@@ -142,11 +168,17 @@ def check_scene(config: SceneConfig) -> None:
     }.items():
         if not np.isfinite(value):
             raise ValueError(f"{name} must be finite, got {value}")
-    if camera.noise not in CAMERA_NOISES:
-        allowed = ", ".join(CAMERA_NOISES)
-        raise ValueError(
-            f"camera.noise: found {camera.noise[:40]!r}, allowed: {allowed}"
-        )
+    _check_name("camera.model", camera.model, tuple(CAMERA_MODELS))
+    _check_name("camera.noise", camera.noise, CAMERA_NOISES)
+    if camera.colour_noise is not None:
+        try:
+            check_colour_noise(camera.colour_noise)
+        except ValueError as error:
+            raise ValueError(f"camera.colour_noise.{error}") from error
+    try:
+        check_faults(camera.faults)
+    except ValueError as error:
+        raise ValueError(f"camera.faults.{error}") from error
     sight = np.subtract(camera.target, camera.eye)
     if np.hypot(sight[0], sight[1]) < 1e-3:
         raise ValueError("camera.target must not lie straight above or below the eye")
@@ -154,10 +186,17 @@ def check_scene(config: SceneConfig) -> None:
     if config.wound is not None:
         _check_wound(config.wound)
     if config.carer is not None:
+        if camera.faults.any:
+            raise ValueError("camera.faults: a filmed carer's camera has none")
         try:
             check_carer(config.carer)
         except ValueError as error:
             raise ValueError(f"carer.{error}") from error
+
+
+def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
+    if name not in allowed:
+        raise ValueError(f"{key}: found {name[:40]!r}, allowed: {', '.join(allowed)}")
 
 
 def _check_wound(wound: WoundConfig) -> None:

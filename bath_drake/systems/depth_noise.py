@@ -8,16 +8,17 @@ from pydrake.systems.framework import LeafSystem
 from pydrake.systems.sensors import ImageDepth32F
 
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.perception.kinect_noise import noisy_depth
+from bath_drake.perception.depth_noise import noisy_depth
+from bath_drake.perception.depth_sensor import DepthSensor
 from bath_drake.systems._ports import eval_value
 
 
-class KinectNoise(LeafSystem):
-    """Makes of the renderer's perfect depth image what a Kinect v2 reports.
+class DepthNoise(LeafSystem):
+    """Makes of the renderer's perfect depth image what a real sensor reports.
 
     .. pydrake_system::
 
-        name: KinectNoise
+        name: DepthNoise
         input_ports:
         - depth_image
         output_ports:
@@ -27,11 +28,14 @@ class KinectNoise(LeafSystem):
     camera's period. A pixel without a measurement is 0, which is not a depth.
     """
 
-    def __init__(self, *, camera: PinholeCamera, seed: int, period: float) -> None:
+    def __init__(
+        self, *, camera: PinholeCamera, sensor: DepthSensor, seed: int, period: float
+    ) -> None:
         """Declares the ports.
 
         Args:
             camera: Whose depth images they are.
+            sensor: How it errs.
             seed: Of the noise of all frames.
             period: Of the camera, s.
 
@@ -43,7 +47,8 @@ class KinectNoise(LeafSystem):
             raise ValueError(f"period must be positive and finite, got {period}")
         if seed < 0:
             raise ValueError(f"seed must be >= 0, got {seed}")
-        self._camera, self._seed, self._period = camera, seed, period
+        self._camera, self._sensor = camera, sensor
+        self._seed, self._period = seed, period
         image = Value(ImageDepth32F(camera.width, camera.height))
         self._depth = self.DeclareAbstractInputPort("depth_image", image)
         self.DeclareAbstractOutputPort(
@@ -61,5 +66,6 @@ class KinectNoise(LeafSystem):
             self._camera,
             seed=self._seed,
             frame=int(np.round(context.get_time() / self._period)),
+            sensor=self._sensor,
         )
         output.set_value(image)

@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.perception.kinect_noise import (
-    KINECT_V2,
-    KinectNoise,
-    axial_deviation,
-    noisy_depth,
-)
+from bath_drake.perception.depth_noise import noisy_depth
+from bath_drake.perception.depth_sensor import KINECT_V2, DepthSensor, axial_deviation
 
 CAMERA = PinholeCamera()
 MILLIMETRE = 1e-3
@@ -138,12 +134,12 @@ def test_pixels_fly_at_a_jump_and_nowhere_else():
 
 
 def test_the_edge_jitters_by_the_lateral_deviation():
-    still = KinectNoise(flying=0.0, lost=0.0, lateral=0.0)
-    jittery = KinectNoise(flying=0.0, lost=0.0, lateral=0.5)
+    still = DepthSensor(flying=0.0, lost=0.0, lateral=0.0)
+    jittery = DepthSensor(flying=0.0, lost=0.0, lateral=0.5)
     middle = CAMERA.width // 2
     near = step() < 1.5
-    np.testing.assert_array_equal(measured(step(), noise=still) < 1.5, near)
-    crossed = (measured(step(), noise=jittery) < 1.5) != near
+    np.testing.assert_array_equal(measured(step(), sensor=still) < 1.5, near)
+    crossed = (measured(step(), sensor=jittery) < 1.5) != near
     # Half a pixel or more, one deviation, to the other side: 16 %; 4 % steeper by 848.
     assert crossed[:, middle - 1 : middle + 1].mean() == pytest.approx(0.159, abs=0.04)
     assert not crossed[:, : middle - 4].any()
@@ -164,11 +160,11 @@ def test_a_slope_is_no_edge():
     [
         (lambda: measured(np.ones((4, 4), dtype=np.float32)), "depth must have shape"),
         (lambda: measured(plane(1.0), seed=-1), "seed and frame must be >= 0"),
-        (lambda: KinectNoise(near=0.0), "near must be positive"),
-        (lambda: KinectNoise(far=0.4), "far must be beyond near"),
-        (lambda: KinectNoise(lateral=float("nan")), "lateral must be in"),
-        (lambda: KinectNoise(flying=0.9, lost=0.2), "shares of at most 1"),
-        (lambda: KinectNoise(grazing=2.0), "grazing must be in"),
+        (lambda: DepthSensor(near=0.0), "near must be positive"),
+        (lambda: DepthSensor(far=0.4), "far must be beyond near"),
+        (lambda: DepthSensor(lateral=float("nan")), "lateral must be in"),
+        (lambda: DepthSensor(flying=0.9, lost=0.2), "shares of at most 1"),
+        (lambda: DepthSensor(grazing=2.0), "grazing must be in"),
     ],
 )
 def test_what_makes_no_sensor_is_refused_by_name(call, message):

@@ -1,110 +1,37 @@
-"""The depth noise of a Kinect v2: what a real sensor makes of a perfect depth image.
+"""What a real sensor makes of a perfect depth image."""
 
-Axial noise is the model of P. Fankhauser et al., "Kinect v2 for mobile robot
-navigation: evaluation and modeling", ICAR 2015; its angle term was measured on tilted
-planes, so it holds all that a smooth surface shows. At edges the sampled place jitters
-(lateral noise) and depths of both sides mix (flying pixels): no published formula is
-known to us, the shares there are our own.
-"""
-
-from dataclasses import dataclass
-
+import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.depth_sensor import (
+    KINECT_V2,
+    NOWHERE,
+    DepthSensor,
+    axial_deviation,
+)
+from bath_drake.perception.random_bits import (
+    NORMAL_BITS,
+    frame_key,
+    normal_quantiles,
+    pixel_bits,
+    scrambled,
+)
 
 DepthImage = NDArray[np.float32]
 
-# Beyond this angle the published formula has no measurements and grows without bound.
-_MAX_MODELLED_ANGLE = np.deg2rad(85.0)
-# Random bits pick normal quantiles: tables that stay in the processor's first cache.
-# The extremes of the axial noise are at 4 sigma.
-_AXIAL_BITS, _LATERAL_BITS = 14, 12
+_LATERAL_BITS = 12
 _COSINE_STEPS = 4096
-# What has no depth stands farther off than anything that has.
-_NOWHERE = 1e3
 
-
-@dataclass(frozen=True)
-class KinectNoise:
-    """The numbers of the model; the defaults are a Kinect v2.
-
-    Attributes:
-        near: Nearest depth it reports, m.
-        far: Farthest depth it reports, m.
-        lateral: Standard deviation of the sampled place at an edge, pixels.
-        edge: The sampled place shows another surface than the pixel where it is this
-            far off the pixel's plane, m.
-        jump: Where depths within 3 x 3 pixels differ by more than the slope of their
-            surface makes them, pixels fly, m.
-        flying: Share of the pixels at a jump that mix the depths of both sides.
-        lost: Share of the pixels at a jump that measure nothing.
-        grazing: Skin seen at a flatter angle than this to its normal gives none, rad.
-        resolution: Step of the reported depths, m.
-
-    Raises:
-        ValueError: If a number makes no sensor.
-    """
-
-    near: float = 0.5
-    far: float = 4.5
-    lateral: float = 0.5
-    edge: float = 0.01
-    jump: float = 0.06
-    flying: float = 0.35
-    lost: float = 0.15
-    grazing: float = float(np.deg2rad(80.0))
-    resolution: float = 0.001
-
-    def __post_init__(self) -> None:
-        for name in ("near", "edge", "jump", "resolution"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} must be positive, got {value}")
-        if not self.near < self.far < _NOWHERE:
-            raise ValueError(f"far must be beyond near ({self.near}), got {self.far}")
-        if not 0.0 <= self.lateral < 10.0:
-            raise ValueError(f"lateral must be in [0, 10) pixels, got {self.lateral}")
-        if not (min(self.flying, self.lost) >= 0.0 and self.flying + self.lost <= 1.0):
-            raise ValueError(
-                "flying and lost must be shares of at most 1 together, got "
-                f"{self.flying} and {self.lost}"
-            )
-        if not 0.0 < self.grazing <= np.pi / 2:
-            raise ValueError(f"grazing must be in (0, pi/2] rad, got {self.grazing}")
-
-
-KINECT_V2 = KinectNoise()
-
-
-def axial_deviation(depth: FloatArray, angle: FloatArray) -> FloatArray:
-    """Returns the standard deviation of a measured depth, m (Fankhauser et al.).
-
-    Args:
-        depth: Along the optical axis, m.
-        angle: Between the ray and the surface's normal, rad; clamped at 85 degrees.
-    """
-    t = np.minimum(angle, _MAX_MODELLED_ANGLE)
-    flat = 1.5 - 0.5 * depth + 0.3 * depth**2
-    tilted = 0.1 * depth**1.5 * t**2 / (np.pi / 2 - t) ** 2
-    return np.asarray(1e-3 * (flat + tilted))
-
-
-def _normal_quantiles(bits: int) -> DepthImage:
-    count = 2**bits
-    quantiles: DepthImage = ndtri((np.arange(count) + 0.5) / count).astype(np.float32)
-    return quantiles
-
-
-_AXIAL = _normal_quantiles(_AXIAL_BITS)
-_LATERAL = _normal_quantiles(_LATERAL_BITS)
+_AXIAL = normal_quantiles(NORMAL_BITS)
+_LATERAL = normal_quantiles(_LATERAL_BITS)
 # The tilted term's factor over the square of the angle's cosine: no pixel needs acos.
 _ANGLES = np.arccos(np.sqrt(np.linspace(0.0, 1.0, _COSINE_STEPS + 1)))
 _TILTS = axial_deviation(np.ones(1), _ANGLES) - axial_deviation(np.ones(1), np.zeros(1))
+_NO_GRAIN = np.zeros((0, 0), dtype=np.float32)
 
 
 def noisy_depth(
@@ -113,7 +40,7 @@ def noisy_depth(
     *,
     seed: int,
     frame: int,
-    noise: KinectNoise = KINECT_V2,
+    sensor: DepthSensor = KINECT_V2,
 ) -> DepthImage:
     """Returns what the sensor reports of a perfect depth image.
 
@@ -122,7 +49,7 @@ def noisy_depth(
         camera: The camera that saw it.
         seed: Not negative, of the whole recording.
         frame: Not negative. The same frame of the same seed has the same noise.
-        noise: The sensor.
+        sensor: How it errs.
 
     Returns:
         (H, W), m, whole steps of the sensor's resolution; 0 where nothing is measured.
@@ -133,31 +60,77 @@ def noisy_depth(
     """
     if depth.shape != camera.shape:
         raise ValueError(f"depth must have shape {camera.shape}, got {depth.shape}")
-    if seed < 0 or frame < 0:
-        raise ValueError(f"seed and frame must be >= 0, got {seed} and {frame}")
-    key = np.random.SeedSequence([seed, frame]).generate_state(1, np.uint64)
+    key = frame_key(seed, frame)
+    seen = np.ascontiguousarray(depth, dtype=np.float32)
+    if sensor.baseline > 0.0:
+        seen = _seen_by_both(seen, camera.fx * sensor.baseline)
+    grains = _NO_GRAIN
+    if sensor.grain > 1:
+        # A sum of so many independent numbers; its deviation is the window's side.
+        size = (sensor.grain, sensor.grain)
+        own = _normal_image(np.uint64(scrambled(key)), camera.shape, _AXIAL)
+        sums = cv2.boxFilter(own, -1, size, normalize=False)
+        grains = np.asarray(sums / sensor.grain, dtype=np.float32)
     measured: DepthImage = _measure(
-        *_neighbourhoods(np.ascontiguousarray(depth, dtype=np.float32)),
-        key[0],
-        np.round(noise.lateral * _LATERAL).astype(np.int64),
+        *_neighbourhoods(seen),
+        key,
+        np.round(sensor.lateral * _LATERAL).astype(np.int64),
         (camera.fx, camera.fy, camera.cx, camera.cy),
-        (noise.near, noise.far, noise.resolution),
-        (noise.edge, noise.jump),
-        (noise.flying, noise.lost, float(np.cos(noise.grazing) ** 2)),
+        (sensor.near, sensor.far, sensor.resolution),
+        (sensor.edge, sensor.jump),
+        (sensor.flying, sensor.lost, float(np.cos(sensor.grazing) ** 2)),
+        sensor.axial_with(camera.fx),
         _AXIAL,
-        _TILTS,
+        grains,
+        _TILTS * (sensor.tilt / KINECT_V2.tilt),
     )
     return measured
+
+
+@njit(cache=True)
+def _normal_image(
+    key: np.uint64, shape: tuple[int, int], normal: DepthImage
+) -> DepthImage:
+    rows, columns = shape
+    out = np.empty((rows, columns), dtype=np.float32)
+    for v in range(rows):
+        for u in range(columns):
+            bits = pixel_bits(key, v * columns + u)
+            out[v, u] = normal[bits & np.uint64(0x3FFF)]
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _seen_by_both(depth: DepthImage, disparity_depth: float) -> DepthImage:
+    """The left eye's image, without depth where the right eye sees something else.
+
+    Seen from further right, what is nearer moves further left: a pixel is hidden
+    where one to its right comes to lie left of it.
+    """
+    rows, columns = depth.shape
+    out = np.zeros((rows, columns), dtype=np.float32)
+    for v in range(rows):
+        leftmost = np.inf
+        for k in range(columns):
+            u = columns - 1 - k
+            z = float(depth[v, u])
+            if not (z > 0.0 and z < NOWHERE):
+                continue
+            there = u - disparity_depth / z
+            if there < leftmost:
+                leftmost = there
+                out[v, u] = depth[v, u]
+    return out
 
 
 @njit(cache=True, error_model="numpy")
 def _neighbourhoods(depth: DepthImage) -> tuple[DepthImage, DepthImage, DepthImage]:
     """The image with a rim, and each pixel's nearest and farthest depth in 3 x 3.
 
-    The rim repeats the image's border; pixels without depth are `_NOWHERE`.
+    The rim repeats the image's border; pixels without depth are `NOWHERE`.
     """
     rows, columns = depth.shape
-    nowhere = np.float32(_NOWHERE)
+    nowhere = np.float32(NOWHERE)
     z = np.full((rows + 2, columns + 2), nowhere)
     nearest, farthest = np.empty_like(depth), np.empty_like(depth)
     # Minima and maxima of three rows, then of three columns of those.
@@ -177,14 +150,6 @@ def _neighbourhoods(depth: DepthImage) -> tuple[DepthImage, DepthImage, DepthIma
             nearest[v, u] = min(low[u], low[u + 1], low[u + 2])
             farthest[v, u] = max(high[u], high[u + 1], high[u + 2])
     return z, nearest, farthest
-
-
-@njit(cache=True)
-def _scrambled(x: np.uint64) -> np.uint64:
-    """SplitMix64's finaliser (Steele et al., OOPSLA 2014): 64 independent bits."""
-    x = (x ^ (x >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    x = (x ^ (x >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return x ^ (x >> np.uint64(31))
 
 
 @njit(cache=True)
@@ -212,7 +177,9 @@ def _measure(
     limits: tuple[float, float, float],
     edges: tuple[float, float],
     losses: tuple[float, float, float],
+    coefficients: tuple[float, float, float],
     axial: DepthImage,
+    grains: DepthImage,
     tilts: FloatArray,
 ) -> DepthImage:
     rows, columns = nearest.shape
@@ -220,14 +187,14 @@ def _measure(
     near, far, resolution = limits
     edge, jump = edges
     flying, lost, least_cosine2 = losses
+    a0, a1, a2 = coefficients
     per_fx, per_step = 1.0 / fx, 1.0 / resolution
     out = np.zeros((rows, columns), dtype=np.float32)
     for v in range(rows):
         y = (v + 0.5 - cy) / fy
         for u in range(columns):
             depth = float(z[v + 1, u + 1])
-            counter = np.uint64(v * columns + u + 1) * np.uint64(0x9E3779B97F4A7C15)
-            bits = _scrambled(key + counter)
+            bits = pixel_bits(key, v * columns + u)
             across, down = _slopes(z, v, u)
             gap = float(farthest[v, u]) - float(nearest[v, u])
             if gap > edge:
@@ -252,15 +219,18 @@ def _measure(
             if cosine2 < least_cosine2:
                 continue
             tilt = tilts[int(min(cosine2, 1.0) * _COSINE_STEPS + 0.5)]
-            deviation = 1e-3 * (1.5 - 0.5 * depth + 0.3 * depth * depth)
+            deviation = 1e-3 * (a0 + a1 * depth + a2 * depth * depth)
             deviation += depth * np.sqrt(depth) * tilt
-            depth += deviation * axial[bits & np.uint64(0x3FFF)]
+            if grains.size > 0:
+                depth += deviation * grains[v, u]
+            else:
+                depth += deviation * axial[bits & np.uint64(0x3FFF)]
             if gap > jump + 2.0 * (abs(across) + abs(down)):
                 fate = float(bits >> np.uint64(38)) * 2.0**-26
                 if fate < lost:
                     continue
-                if fate < lost + flying and farthest[v, u] < _NOWHERE:
-                    share = float(_scrambled(bits) >> np.uint64(11)) * 2.0**-53
+                if fate < lost + flying and farthest[v, u] < NOWHERE:
+                    share = float(scrambled(bits) >> np.uint64(11)) * 2.0**-53
                     depth = nearest[v, u] + share * gap
             if depth >= near and depth <= far:
                 out[v, u] = np.floor(depth * per_step + 0.5) * resolution

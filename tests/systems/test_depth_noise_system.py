@@ -3,8 +3,9 @@ import pytest
 from pydrake.systems.sensors import ImageDepth32F
 
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.perception.kinect_noise import noisy_depth
-from bath_drake.systems.kinect_noise import KinectNoise
+from bath_drake.perception.depth_noise import noisy_depth
+from bath_drake.perception.depth_sensor import REALSENSE_D435
+from bath_drake.systems.depth_noise import DepthNoise
 
 CAMERA = PinholeCamera(64, 48, 60.0, 60.0, 32.0, 24.0)
 PERIOD = 1.0 / 30.0
@@ -18,7 +19,7 @@ def image(value):
 
 @pytest.fixture
 def dut():
-    return KinectNoise(camera=CAMERA, seed=7, period=PERIOD)
+    return DepthNoise(camera=CAMERA, sensor=REALSENSE_D435, seed=7, period=PERIOD)
 
 
 @pytest.mark.parametrize("frame", [0, 1, 44])
@@ -29,7 +30,8 @@ def test_a_frame_has_the_pure_functions_noise(dut, frame):
     found = dut.GetOutputPort("noisy_depth_image").Eval(context).data[..., 0]
     depth = np.full(CAMERA.shape, 1.2, dtype=np.float32)
     np.testing.assert_array_equal(
-        found, noisy_depth(depth, CAMERA, seed=7, frame=frame)
+        found,
+        noisy_depth(depth, CAMERA, seed=7, frame=frame, sensor=REALSENSE_D435),
     )
 
 
@@ -39,4 +41,14 @@ def test_a_frame_has_the_pure_functions_noise(dut, frame):
 )
 def test_bad_parameters_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        KinectNoise(**({"camera": CAMERA, "seed": 0, "period": PERIOD} | arguments))
+        DepthNoise(
+            **(
+                {
+                    "camera": CAMERA,
+                    "sensor": REALSENSE_D435,
+                    "seed": 0,
+                    "period": PERIOD,
+                }
+                | arguments
+            )
+        )

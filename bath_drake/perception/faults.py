@@ -1,0 +1,106 @@
+"""What can go wrong with a camera, as a schema for scenario files: all off at first."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(kw_only=True)
+class FrameFault:
+    """Some of the frames of a while."""
+
+    begin: float = 0.0  # s
+    end: float = 3600.0  # s
+    probability: float = 1.0  # of each frame of that while
+
+
+@dataclass(kw_only=True)
+class LateFault(FrameFault):
+    """Frames that come late, with the time at which they were taken."""
+
+    delay: float = 0.1  # s
+
+
+@dataclass(kw_only=True)
+class SaturationFault:
+    """A glare: a disc of the image that is white and has no depth."""
+
+    begin: float = 0.0  # s
+    end: float = 3600.0  # s
+    centre: list[float] = field(
+        default_factory=lambda: [0.5, 0.5]
+    )  # shares of the image's width and height
+    radius: float = 0.08  # share of the image's width
+
+
+@dataclass(kw_only=True)
+class DropletsFault:
+    """Water on the lens: discs of blurred colour and wild or no depth."""
+
+    begin: float = 0.0  # s
+    end: float = 3600.0  # s
+    count: int = 6
+    radius: float = 0.04  # of the largest, share of the image's width
+    lost: float = 0.4  # share of a droplet's pixels without depth
+    outliers: float = 0.3  # share of them whose depth is wrong by up to a half
+
+
+@dataclass(kw_only=True)
+class FaultsConfig:
+    """The camera's faults; null is none."""
+
+    loss: FrameFault | None = None  # frames that never come
+    late: LateFault | None = None
+    frozen: FrameFault | None = None  # the last image again, with a new time
+    saturation: SaturationFault | None = None
+    droplets: DropletsFault | None = None
+
+    @property
+    def any(self) -> bool:
+        """Whether there is any fault at all."""
+        return any(fault is not None for fault in vars(self).values())
+
+
+_RANGES = {
+    "probability": (0.0, 1.0),
+    "delay": (0.0, 2.0),
+    "radius": (1e-3, 1.0),
+    "count": (1, 200),
+    "lost": (0.0, 1.0),
+    "outliers": (0.0, 1.0),
+}
+
+
+def check_faults(config: FaultsConfig) -> None:
+    """Raises ValueError naming the field that makes no fault."""
+    for name, fault in vars(config).items():
+        if fault is None:
+            continue
+        if not 0.0 <= fault.begin < fault.end < float("inf"):
+            raise ValueError(
+                f"{name}: found begin {fault.begin} and end {fault.end}, allowed 0 and "
+                "up, the end later"
+            )
+        for key, (low, high) in _RANGES.items():
+            value = getattr(fault, key, low)
+            if not low <= value <= high:
+                raise ValueError(
+                    f"{name}.{key}: found {value}, allowed {low} to {high}"
+                )
+    if config.saturation is not None:
+        centre = config.saturation.centre
+        if len(centre) != 2 or not all(0.0 <= share <= 1.0 for share in centre):
+            raise ValueError(
+                f"saturation.centre: found {centre}, allowed two shares, 0 to 1"
+            )
+    if config.droplets is not None:
+        share = config.droplets.lost + config.droplets.outliers
+        if share > 1.0:
+            raise ValueError(
+                f"droplets.lost and outliers: found {share} together, allowed up to 1"
+            )
+
+
+def within(fault: FrameFault | SaturationFault | DropletsFault, t: float) -> bool:
+    """Whether a fault is on at a time, s; its end is not."""
+    # Time stamps in steps of a camera period accumulate rounding.
+    rounding = 1e-9
+    return fault.begin - rounding <= t < fault.end - rounding
