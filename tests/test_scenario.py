@@ -4,6 +4,9 @@ import pytest
 
 from bath_drake.carer.config import CarerConfig
 from bath_drake.errors import ScenarioError
+from bath_drake.perception.colour_noise import ColourNoiseConfig
+from bath_drake.perception.depth_sensor import CAMERA_MODELS
+from bath_drake.perception.faults import LateFault
 from bath_drake.resources import diagrams_folder
 from bath_drake.scenario import (
     Scenario,
@@ -13,7 +16,7 @@ from bath_drake.scenario import (
     load_scenario,
     loop_bounds,
 )
-from bath_drake.scene.config import WoundConfig
+from bath_drake.scene.config import CameraConfig, WoundConfig
 from bath_drake.systems.hold_supervisor import MAX_FRAME_AGE
 
 SHIPPED = sorted(path.name for path in diagrams_folder().glob("*.yaml"))
@@ -29,6 +32,8 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
     scenario.scene.wound = WoundConfig(centre=[0.1, 1e-3])
     scenario.scene.carer = CarerConfig(waypoints=[[0.5, 0], [0.25, 1e-3]])
     scenario.limits.frechet_executed = None
+    scenario.scene.camera.colour_noise = ColourNoiseConfig(exposure=1.5)
+    scenario.scene.camera.faults.late = LateFault(delay=0.05)
     path = tmp_path / "scenario.yaml"
     path.write_text(dump_scenario(scenario))
     assert load_scenario(path) == scenario
@@ -47,6 +52,15 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
         ("scene: {wound: {centre: [1]}}\n", "wound.centre must be 2"),
         ("scene: {camera: {eye: 3}}\n", "scene.camera.eye: found 3"),
         ("scene: {camera: {noise: loud}}\n", "camera.noise: found 'loud', allowed"),
+        ("scene: {camera: {model: lidar}}\n", "scene.camera.model: found 'lidar'"),
+        ("scene: {camera: {colour_noise: {read: -1}}}\n", "colour_noise.read: found"),
+        ("scene: {camera: {faults: {rain: {}}}}\n", "camera.faults.rain: unknown key"),
+        ("scene: {camera: {faults: {late: {delay: 9}}}}\n", "faults.late.delay: found"),
+        (
+            "scene: {carer: {waypoints: [[0, 0], [1, 1]]}, "
+            "camera: {faults: {loss: {}}}}\n",
+            "camera.faults: a filmed carer's camera has none",
+        ),
         ("scene: {carer: {waypoints: [[0, 0], [a, 1]]}}\n", "waypoints[1][0]: found"),
         ("scene: {carer: {swing: 9}}\n", "scene: carer.swing: found 9.0, allowed"),
         ("duration: 1e9\n", "duration: found 1000000000.0, allowed"),
@@ -66,6 +80,32 @@ def test_a_bad_scenario_is_refused_by_file_and_key(tmp_path, text, message):
     assert str(path) in str(caught.value)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", CAMERA_MODELS)
+def test_a_cameras_name_fills_in_its_numbers_but_for_those_given(tmp_path, name):
+    path = tmp_path / "scenario.yaml"
+    path.write_text(f"scene: {{camera: {{model: {name}, far: 2.5, noise: none}}}}\n")
+    camera = load_scenario(path).scene.camera
+    assert camera.pinhole() == CAMERA_MODELS[name].camera
+    assert camera.near == CAMERA_MODELS[name].sensor.near
+    assert (camera.far, camera.noise) == (2.5, "none")
+    path.write_text(f"scene: {{camera: {{model: {name}}}}}\n")
+    whole = load_scenario(path)
+    assert whole.scene.camera.noise == name
+    assert whole.scene.camera.far == CAMERA_MODELS[name].sensor.far
+    # What is written says it all, and means the same.
+    path.write_text(dump_scenario(whole))
+    assert load_scenario(path) == whole
+
+
+def test_a_camera_without_a_name_is_as_it_always_was(tmp_path):
+    path = tmp_path / "scenario.yaml"
+    path.write_text("scene: {camera: {far: 3.0}}\n")
+    assert load_scenario(path).scene.camera == CameraConfig(far=3.0)
+    assert CameraConfig().pinhole() == CAMERA_MODELS["kinect_v2"].camera
+    assert CameraConfig().noise == "none"
+    assert not CameraConfig().faults.any
 
 
 def test_shipped_demonstrations_are_found_by_name_in_their_folders_too():

@@ -62,7 +62,7 @@ class FaultsConfig:
 _RANGES = {
     "probability": (0.0, 1.0),
     "delay": (0.0, 2.0),
-    "radius": (1e-3, 1.0),
+    "radius": (1e-3, 0.5),
     "count": (1, 200),
     "lost": (0.0, 1.0),
     "outliers": (0.0, 1.0),

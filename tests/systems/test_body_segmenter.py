@@ -144,3 +144,58 @@ def test_bad_parameters_are_refused(name, value):
     }
     with pytest.raises(ValueError, match=name):
         BodySegmenter(**{**good, name: value})
+
+
+def _stamped(dut, stamps):
+    """The observation after each of its looks, its stamp port set before."""
+    simulator = Simulator(dut)
+    context = simulator.get_mutable_context()
+    _fix(dut, context)
+    seen = []
+    for index, stamp in enumerate(stamps):
+        dut.GetInputPort("frame_stamp").FixValue(context, [stamp])
+        if index == 0:
+            simulator.Initialize()
+        simulator.AdvanceTo(PERIOD * (index + 0.5))
+        seen.append(_seen(dut, simulator))
+    return seen
+
+
+def test_an_observation_has_the_time_its_frame_was_taken_at(dut):
+    late = [-0.05, 0.04, 0.15]
+    assert [o.stamp for o in _stamped(dut, late)] == late
+
+
+def test_a_frame_seen_before_or_older_is_no_new_frame(dut):
+    first, same, older, newer = _stamped(dut, [0.0, 0.0, -0.1, 0.3])
+    assert first.found
+    assert same is first
+    assert older is first
+    assert newer.stamp == 0.3
+
+
+def test_a_camera_of_which_no_frame_has_come_shows_nothing(dut):
+    (before,) = _stamped(dut, [-np.inf])
+    assert before.stamp == -np.inf
+    assert not before.found
+
+
+def test_without_a_robot_nothing_is_masked():
+    dut = BodySegmenter(
+        camera=CAMERA,
+        X_WC=RigidTransform(RotationMatrix(R_WC), P_WC),
+        robot=None,
+        config=CONFIG,
+        period=PERIOD,
+    )
+    assert not dut.HasInputPort("arm_position")
+    simulator = Simulator(dut)
+    context = simulator.get_mutable_context()
+    colour, depth = _images()
+    dut.GetInputPort("colour_image").FixValue(context, colour)
+    dut.GetInputPort("depth_image").FixValue(context, depth)
+    simulator.Initialize()
+    simulator.AdvanceTo(0.5 * PERIOD)
+    observation = _seen(dut, simulator)
+    assert observation.found
+    assert not observation.robot_mask.any()
