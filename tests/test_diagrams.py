@@ -165,6 +165,7 @@ def test_no_record_is_of_a_diagram_that_is_gone():
 def test_every_input_is_connected_or_optional(name):
     diagram = shipped_diagram(name)
     optional = {
+        ("body_segmenter", "frame_stamp"),
         ("canonical_reference", "phase"),
         ("canonical_reference", "hold"),
         ("navigation_controller", "sensed_obstacles"),

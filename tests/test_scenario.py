@@ -33,8 +33,11 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
     scenario.scene.carer = CarerConfig(waypoints=[[0.5, 0], [0.25, 1e-3]])
     scenario.limits.frechet_executed = None
     scenario.scene.camera.colour_noise = ColourNoiseConfig(exposure=1.5)
-    scenario.scene.camera.faults.late = LateFault(delay=0.05)
     path = tmp_path / "scenario.yaml"
+    path.write_text(dump_scenario(scenario))
+    assert load_scenario(path) == scenario
+    scenario.scene.carer = None
+    scenario.scene.camera.faults.late = LateFault(delay=0.05)
     path.write_text(dump_scenario(scenario))
     assert load_scenario(path) == scenario
 
