@@ -1,4 +1,4 @@
-"""How the seated person moves: breath, a slow twist, a slow lean."""
+"""How the seated person moves: breath, twist and lean as a whole, and the spine."""
 
 from dataclasses import dataclass
 
@@ -9,10 +9,10 @@ from bath_drake.notation import FloatArray
 
 @dataclass(kw_only=True)
 class MotionConfig:
-    """Breathing, twist and lean of the seated person.
+    """How a seated person moves, as a whole and in the spine.
 
-    The periods of twist and lean have no common multiple worth waiting for, so
-    that no run sees the same sequence of poses twice.
+    The periods have no common multiple worth waiting for, so that no run sees the
+    same sequence of poses twice. Without the last block the person is rigid.
     """
 
     breath_amplitude: float = 0.008  # m, along the back's normal
@@ -23,7 +23,49 @@ class MotionConfig:
     lean_period: float = 29.3  # s
     twist_phase: float = 0.0  # rad
     lean_phase: float = 0.0  # rad
+    # The spine's bending, from the pelvis to the neck.
+    flexion_amplitude: float = 0.0  # rad, forwards and back
+    flexion_period: float = 19.0  # s
+    flexion_phase: float = 0.0  # rad
+    side_bend_amplitude: float = 0.0  # rad, to the left and the right
+    side_bend_period: float = 37.1  # s
+    side_bend_phase: float = 0.0  # rad
+    spine_twist_amplitude: float = 0.0  # rad, about the spine
+    spine_twist_period: float = 26.3  # s
+    spine_twist_phase: float = 0.0  # rad
+    chest_amplitude: float = 0.0  # m, the trunk's skin swells so far with the breath
     ramp: float = 3.0  # s, over which the motion grows from nothing
+
+
+    @property
+    def bends(self) -> bool:
+        """Whether the skin changes its shape."""
+        return bool(
+            max(
+                self.flexion_amplitude,
+                self.side_bend_amplitude,
+                self.spine_twist_amplitude,
+                self.chest_amplitude,
+            )
+            > 0.0
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bend:
+    """The shape of the trunk at one time.
+
+    Attributes:
+        flexion: Of the whole spine, forwards, rad.
+        side_bend: To the person's left, rad.
+        twist: To the person's left, rad.
+        swell: How far the breath lifts the skin of the chest, m.
+    """
+
+    flexion: float = 0.0
+    side_bend: float = 0.0
+    twist: float = 0.0
+    swell: float = 0.0
 
 
 def check_motion(motion: MotionConfig) -> None:
@@ -37,6 +79,17 @@ def check_motion(motion: MotionConfig) -> None:
         "lean_period": (1.0, np.inf),
         "twist_phase": (-np.inf, np.inf),
         "lean_phase": (-np.inf, np.inf),
+        # As far as a spine goes, seated.
+        "flexion_amplitude": (0.0, 0.6),
+        "side_bend_amplitude": (0.0, 0.4),
+        "spine_twist_amplitude": (0.0, 0.6),
+        "flexion_period": (1.0, np.inf),
+        "side_bend_period": (1.0, np.inf),
+        "spine_twist_period": (1.0, np.inf),
+        "flexion_phase": (-np.inf, np.inf),
+        "side_bend_phase": (-np.inf, np.inf),
+        "spine_twist_phase": (-np.inf, np.inf),
+        "chest_amplitude": (0.0, 0.03),
         "ramp": (0.0, np.inf),
     }
     for name, (low, high) in limits.items():
@@ -61,6 +114,30 @@ def _rotation_x(angle: float) -> FloatArray:
 def _rotation_z(angle: float) -> FloatArray:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def trunk_bend(t: float, motion: MotionConfig) -> Bend:
+    """Returns the trunk's shape at time t (s); at t <= 0 that of rest."""
+    share = _ramp(t, motion.ramp)
+
+    def wave(amplitude: float, period: float, phase: float) -> float:
+        return float(share * amplitude * np.sin(2.0 * np.pi * t / period + phase))
+
+    breath = 0.5 * (1.0 - np.cos(2.0 * np.pi * motion.breath_frequency * t))
+    return Bend(
+        flexion=wave(
+            motion.flexion_amplitude, motion.flexion_period, motion.flexion_phase
+        ),
+        side_bend=wave(
+            motion.side_bend_amplitude, motion.side_bend_period, motion.side_bend_phase
+        ),
+        twist=wave(
+            motion.spine_twist_amplitude,
+            motion.spine_twist_period,
+            motion.spine_twist_phase,
+        ),
+        swell=float(share * motion.chest_amplitude * breath),
+    )
 
 
 def person_displacement(

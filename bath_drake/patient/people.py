@@ -1,7 +1,5 @@
 """A person's folder, read strictly: parts to show, the true mesh, who it is."""
 
-import io
-import zipfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from bath_drake.errors import ScenarioError
-from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray, IntArray
+from bath_drake.patient.arrays import read_arrays, take_array
 from bath_drake.resources import models_folder
 from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import read_yaml
@@ -19,7 +17,6 @@ from bath_drake.yaml_io import read_yaml
 PARTS = ("body", "back", "hair", "trunks")
 LABEL_OTHER, LABEL_BACK, LABEL_HEAD = 0, 1, 2
 
-_MAX_MESH_BYTES = 64 * 1024 * 1024
 _STATURES_M = (0.4, 2.8)
 # The sitting area: how far in front of the back it may lie and how wide it is.
 _SEAT_DEPTH_M, _SEAT_HALF_WIDTH_M = 0.25, 0.2
@@ -138,8 +135,8 @@ def load_person(folder: str | Path) -> Person:
         block.fail("stature", f"found {stature}, allowed {low} to {high} m")
     block.finish()
     mesh = folder / "mesh.npz"
-    arrays = _read_arrays(mesh)
-    vertices, triangles, labels = (_take(mesh, arrays, k) for k in ("V", "F", "label"))
+    arrays = read_arrays(mesh)
+    vertices, triangles, labels = (take_array(mesh, arrays, k) for k in ("V", "F", "label"))
     _check_mesh(mesh, vertices, triangles, labels)
     arrays_of_person = (
         vertices.astype(np.float64),
@@ -150,32 +147,6 @@ def load_person(folder: str | Path) -> Person:
         array.setflags(write=False)
     rigged = (folder / "rig.npz").is_file()
     return Person(folder, name, stature, licence, *arrays_of_person, rigged)
-
-
-def _read_arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
-    data = read_bytes(path, limit=_MAX_MESH_BYTES, error=ScenarioError)
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-        if size > _MAX_MESH_BYTES:
-            raise ScenarioError(
-                f"{path}: unpacks to {size} bytes, allowed {_MAX_MESH_BYTES}"
-            )
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive_of_arrays:
-            return {key: archive_of_arrays[key] for key in archive_of_arrays.files}
-    except (zipfile.BadZipFile, ValueError, OSError, EOFError, KeyError) as error:
-        if isinstance(error, ScenarioError):
-            raise
-        raise ScenarioError(f"{path}: not a readable .npz file ({error})") from error
-
-
-def _take(
-    path: Path, arrays: dict[str, np.ndarray[Any, Any]], key: str
-) -> np.ndarray[Any, Any]:
-    if key not in arrays:
-        found = ", ".join(sorted(arrays)) or "nothing"
-        raise ScenarioError(f"{path}: {key} is missing, found {found}")
-    return arrays[key]
 
 
 def _check_mesh(

@@ -32,21 +32,31 @@ class TrueSkin:
 
     Attributes:
         person: Whose mesh it is.
+        bent: (n, 3) where its vertices are while the person bends; None for at rest.
+        triangles: (m, 3) those that are looked at; None for all.
     """
 
     person: Person
+    bent: FloatArray | None = None
+    triangles: IntArray | None = None
+
+    @property
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        person = self.person
+        vertices = person.vertices if self.bent is None else self.bent
+        return vertices, person.triangles if self.triangles is None else self.triangles
 
     @cached_property
     def _scene(self) -> Any:
         scene: Any = o3d.t.geometry.RaycastingScene()
-        vertices, triangles = self.person.vertices, self.person.triangles
+        vertices, triangles = self._mesh
         scene.add_triangles(_tensor(vertices), _tensor(triangles, np.uint32))
         return scene
 
     @cached_property
     def _vertex_normals(self) -> FloatArray:
         # Area-weighted, so that a facet's size does not bend the normal.
-        v, f = self.person.vertices, self.person.triangles
+        v, f = self._mesh
         facets = np.cross(v[f[:, 1]] - v[f[:, 0]], v[f[:, 2]] - v[f[:, 0]])
         normals = np.zeros_like(v)
         for corner in range(3):
@@ -55,7 +65,7 @@ class TrueSkin:
         return np.asarray(normals / np.maximum(lengths, 1e-12))
 
     def _normals_at(self, triangles: IntArray, uvs: FloatArray) -> FloatArray:
-        corners = self._vertex_normals[self.person.triangles[triangles]]
+        corners = self._vertex_normals[self._mesh[1][triangles]]
         weights = np.column_stack([1.0 - uvs.sum(axis=1), uvs])
         normals = (corners * weights[:, :, None]).sum(axis=1)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -88,8 +98,20 @@ class TrueSkin:
     def on_back(self, p_MQ: FloatArray) -> BoolArray:
         """Whether points (n, 3) lie nearest to triangles of the back: (n,)."""
         found = self._scene.compute_closest_points(_tensor(p_MQ))
-        triangles = self.person.triangles[found["primitive_ids"].numpy()]
+        triangles = self._mesh[1][found["primitive_ids"].numpy()]
         return np.asarray((self.person.labels[triangles] == LABEL_BACK).any(axis=1))
+
+    def bind(self, p_MQ: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Finds what skin points (n, 3) are nearest to, as matter that may move.
+
+        Returns:
+            (n, 3) indices of the mesh's vertices, and (n, 3) their weights, rows of
+            sum 1: the nearest points are the vertices' weighted means.
+        """
+        found = self._scene.compute_closest_points(_tensor(p_MQ))
+        uvs = found["primitive_uvs"].numpy().astype(np.float64)
+        corners = self._mesh[1][found["primitive_ids"].numpy()]
+        return corners, np.column_stack([1.0 - uvs.sum(axis=1), uvs])
 
     def under(self, p_N: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Finds the skin under true canonical points (n, 2), seen along the normal.
@@ -103,7 +125,7 @@ class TrueSkin:
 
     @cached_property
     def canonical_map(self) -> CanonicalMap:
-        """The canonical map as it truly is: of the labelled back, in M for W."""
+        """The canonical map of the labelled back at rest, in M for W."""
         v, f = self.person.vertices, self.person.triangles
         facets = np.cross(v[f[:, 1]] - v[f[:, 0]], v[f[:, 2]] - v[f[:, 0]])
         on_back = _largest_piece(f, (self.person.labels[f] == LABEL_BACK).all(axis=1))

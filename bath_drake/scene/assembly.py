@@ -17,6 +17,7 @@ from pydrake.systems.sensors import RgbdSensor
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.wound import WoundPatch
 from bath_drake.scene.arm import add_arm, home_position
+from bath_drake.scene.bending_person import SkinPart
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.scene.room import add_pedestal
 from bath_drake.scene.studio import add_studio, true_person_pose
@@ -35,6 +36,7 @@ class Scene:
         arm: The arm's model instance.
         person: The true person: for verification and placing alone.
         person_frame: The person's frame M in the SceneGraph.
+        skin: The parts of a person that bends; without parts of a rigid one.
         wound: The true wound, or None.
         X_WC: The camera's pose.
         config: What it was built from.
@@ -47,6 +49,7 @@ class Scene:
     arm: ModelInstanceIndex
     person: Person
     person_frame: FrameId
+    skin: tuple[SkinPart, ...]
     wound: WoundPatch | None
     X_WC: RigidTransform
     config: SceneConfig
@@ -57,7 +60,11 @@ class Scene:
 
 
 def add_scene(
-    builder: DiagramBuilder, config: SceneConfig, *, person: Person | None = None
+    builder: DiagramBuilder,
+    config: SceneConfig,
+    *,
+    person: Person | None = None,
+    frame_period: float = 1.0 / 30.0,
 ) -> Scene:
     """Adds the whole scene to a builder.
 
@@ -68,6 +75,7 @@ def add_scene(
         builder: Not yet built.
         config: Every number of the scene.
         person: Already loaded; None loads the one `config.person` names.
+        frame_period: Of the camera, s; see `add_studio`.
 
     Raises:
         ScenarioError: If the person's folder is damaged.
@@ -89,7 +97,9 @@ def add_scene(
     plant.Finalize()
     plant.SetDefaultPositions(arm, home_position(config.arm))
     _compensate_gravity(builder, plant, arm)
-    studio = add_studio(builder, scene_graph, config, person)
+    studio = add_studio(
+        builder, scene_graph, config, person, frame_period=frame_period
+    )
     add_pedestal(scene_graph, studio.room, config.arm)
     return Scene(
         plant=plant,
@@ -99,6 +109,7 @@ def add_scene(
         arm=arm,
         person=person,
         person_frame=studio.person_frame,
+        skin=studio.skin,
         wound=studio.wound,
         X_WC=studio.X_WC,
         config=config,

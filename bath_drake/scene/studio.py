@@ -30,7 +30,15 @@ from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
 from bath_drake.patient.motion import person_pose
 from bath_drake.patient.people import PARTS, Person
+from bath_drake.patient.rig import bending_skin
+from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.wound import WoundPatch, wound_patch
+from bath_drake.scene.bending_person import (
+    SkinPart,
+    add_bending_person,
+    add_skin_part,
+    follow,
+)
 from bath_drake.scene.config import CameraConfig, SceneConfig
 from bath_drake.scene.room import (
     add_camera_stand,
@@ -39,6 +47,7 @@ from bath_drake.scene.room import (
     coloured,
     obj_mesh,
 )
+from bath_drake.scene.skin_shell import THICKNESS_M
 from bath_drake.systems._poses import at, rotation_from
 from bath_drake.systems.patient_motion import PatientMotion
 
@@ -62,6 +71,7 @@ class Studio:
         patient_motion: Moves the person.
         person: The true person.
         person_frame: The person's frame M in the SceneGraph.
+        skin: The parts of a person that bends; without parts of a rigid one.
         room: The SceneGraph's source of all that stands still.
         wound: The true wound, or None.
         X_WC: The camera's pose.
@@ -72,6 +82,7 @@ class Studio:
     patient_motion: PatientMotion
     person: Person
     person_frame: FrameId
+    skin: tuple[SkinPart, ...]
     room: SourceId
     wound: WoundPatch | None
     X_WC: RigidTransform
@@ -82,10 +93,20 @@ def add_studio(
     scene_graph: SceneGraph,
     config: SceneConfig,
     person: Person,
+    *,
+    frame_period: float = 1.0 / 30.0,
 ) -> Studio:
     """Adds room, person and camera to a SceneGraph in a builder.
 
+    Args:
+        builder: Gets the systems.
+        scene_graph: In the builder.
+        config: Every number of the scene.
+        person: Who sits there.
+        frame_period: Of the camera, s: a bending skin is moved for each frame.
+
     Raises:
+        ScenarioError: If the person is to bend and has no sound rig.
         ValueError: If the wound does not lie on the back.
     """
     scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
@@ -94,7 +115,14 @@ def add_studio(
     X_WM = true_person_pose(config, person, 0.0)
     add_stool(scene_graph, room, X_WM.multiply(person.seat))
     add_camera_stand(scene_graph, room, config.camera)
-    source, frame, wound = _add_person(scene_graph, person, config)
+    source = scene_graph.RegisterSource("person")
+    frame = scene_graph.RegisterFrame(source, GeometryFrame("person"))
+    wound = _wound(config, person)
+    skin: tuple[SkinPart, ...] = ()
+    if config.motion.bends:
+        skin = _add_bending_parts(scene_graph, source, person, wound)
+    else:
+        _add_rigid_parts(scene_graph, source, frame, person, wound)
     motion = PatientMotion(
         frame_id=frame,
         motion=config.motion,
@@ -102,14 +130,21 @@ def add_studio(
         person_yaw=config.person_yaw,
         hips=person.hips,
         breath_direction=person.back_normal,
+        skin={part.geometry: part.shell for part in skin},
+        frame_period=frame_period,
     )
     builder.AddNamedSystem("patient_motion", motion)
     builder.Connect(
         motion.GetOutputPort("geometry_pose"), scene_graph.get_source_pose_port(source)
     )
+    if skin:
+        builder.Connect(
+            motion.GetOutputPort("skin_configuration"),
+            scene_graph.get_source_configuration_port(source),
+        )
     X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
     camera = _add_camera(builder, scene_graph, config.camera, X_WC)
-    return Studio(scene_graph, camera, motion, person, frame, room, wound, X_WC)
+    return Studio(scene_graph, camera, motion, person, frame, skin, room, wound, X_WC)
 
 
 def true_person_pose(config: SceneConfig, person: Person, t: float) -> RigidTransform:
@@ -135,6 +170,8 @@ def _renderer() -> RenderEngineVtkParams:
         )
 
     return RenderEngineVtkParams(
+        # As with glTF parts, so that a bending person is lit as a rigid one is.
+        force_to_pbr=True,
         default_clear_color=np.array([0.90, 0.95, 0.97]),
         lights=[
             light([0.0, 0.0, 1.0], 1.4, "camera"),
@@ -144,28 +181,57 @@ def _renderer() -> RenderEngineVtkParams:
     )
 
 
-def _add_person(
-    scene_graph: SceneGraph, person: Person, config: SceneConfig
-) -> tuple[SourceId, FrameId, WoundPatch | None]:
-    source = scene_graph.RegisterSource("person")
-    frame = scene_graph.RegisterFrame(source, GeometryFrame("person"))
-    for part in PARTS:
-        _register_part(scene_graph, source, frame, person, part)
+def _wound(config: SceneConfig, person: Person) -> WoundPatch | None:
     if config.wound is None:
-        return source, frame, None
-    wound = wound_patch(
+        return None
+    return wound_patch(
         person,
         np.array(config.wound.centre),
         np.array(config.wound.semi_axes),
         config.wound.angle,
     )
+
+
+def _add_rigid_parts(
+    scene_graph: SceneGraph,
+    source: SourceId,
+    frame: FrameId,
+    person: Person,
+    wound: WoundPatch | None,
+) -> None:
+    for part in PARTS:
+        _register_part(scene_graph, source, frame, person, part)
+    if wound is None:
+        return
     shape = obj_mesh("wound", wound.vertices, wound.normals, wound.triangles)
     scene_graph.RegisterGeometry(
         source,
         frame,
         coloured(shape, RigidTransform(), "wound", _WOUND_COLOUR, WOUND_LABEL),
     )
-    return source, frame, wound
+
+
+def _add_bending_parts(
+    scene_graph: SceneGraph,
+    source: SourceId,
+    person: Person,
+    wound: WoundPatch | None,
+) -> tuple[SkinPart, ...]:
+    parts = add_bending_person(scene_graph, source, person, PERSON_LABELS)
+    if wound is not None:
+        below = wound.vertices - THICKNESS_M * wound.normals
+        skin = TrueSkin(person)
+        part = add_skin_part(
+            scene_graph,
+            source,
+            follow(bending_skin(person), skin, np.vstack([wound.vertices, below])),
+            wound.triangles,
+            name="wound",
+            rgba=_WOUND_COLOUR.rgba,
+            label=WOUND_LABEL,
+        )
+        parts.append(part)
+    return tuple(parts)
 
 
 def _register_part(

@@ -1,21 +1,44 @@
 """The seated person's motion as a Drake system."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.geometry import FrameId, FramePoseVector
+from pydrake.geometry import (
+    FrameId,
+    FramePoseVector,
+    GeometryConfigurationVector,
+    GeometryId,
+)
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    EventStatus,
+    LeafSystem,
+    State,
+)
 
 from bath_drake.notation import FloatArray
-from bath_drake.patient.motion import MotionConfig, check_motion, person_pose
+from bath_drake.patient.bending import BendingSkin
+from bath_drake.patient.motion import (
+    MotionConfig,
+    check_motion,
+    person_pose,
+    trunk_bend,
+)
 from bath_drake.systems._ports import set_vector
 from bath_drake.systems._poses import at, rotation_from
 
 
+# The skin is made ready this long before the frame that shows it: updates of one
+# instant all see the state before it.
+AHEAD_S = 0.001
+
+
 class PatientMotion(LeafSystem):
-    """Moves the person's mesh: breath, slow twist, slow lean.
+    """Moves the person's mesh: breath, slow twist, slow lean, and the spine's bending.
 
     .. pydrake_system::
 
@@ -23,10 +46,13 @@ class PatientMotion(LeafSystem):
         output_ports:
         - geometry_pose
         - body_pose
+        - skin_configuration (only of a person that bends)
 
     `geometry_pose` (FramePoseVector) goes to the SceneGraph; `body_pose` (7) is
-    X_WM as quaternion w x y z and origin, m: the truth, for logs alone. Stateless,
-    a function of time.
+    X_WM as quaternion w x y z and origin, m: the truth, for logs alone. Both are
+    functions of time. `skin_configuration` (GeometryConfigurationVector, m, W) is the
+    skin at the last frame; it is state, for whoever asks the SceneGraph anything
+    would have it computed anew at every step otherwise.
     """
 
     def __init__(
@@ -38,6 +64,8 @@ class PatientMotion(LeafSystem):
         person_yaw: float,
         hips: FloatArray,
         breath_direction: FloatArray,
+        skin: Mapping[GeometryId, BendingSkin] | None = None,
+        frame_period: float = 1.0 / 30.0,
     ) -> None:
         """Declares the ports.
 
@@ -49,6 +77,9 @@ class PatientMotion(LeafSystem):
             hips: (3,) middle of the hip line in M, m.
             breath_direction: (3,) along which the breath moves the body, in M;
                 normalised; ValueError if it has no direction.
+            skin: How the vertices of each deformable geometry move; None or none
+                of a person that does not bend.
+            frame_period: Of the camera that sees the skin, s; more than `AHEAD_S`.
         """
         super().__init__()
         check_motion(motion)
@@ -71,18 +102,43 @@ class PatientMotion(LeafSystem):
         self.DeclareVectorOutputPort(
             "body_pose", 7, self._calc_body_pose, {self.time_ticket()}
         )
+        self._skin = dict(skin or {})
+        if self._skin:
+            if not AHEAD_S < frame_period < float("inf"):
+                raise ValueError(
+                    f"frame_period must be more than {AHEAD_S}, got {frame_period}"
+                )
+            state = self.DeclareAbstractState(Value(self._configuration(0.0)))
+            self.DeclareStateOutputPort("skin_configuration", state)
+            self.DeclarePeriodicUnrestrictedUpdateEvent(
+                frame_period, frame_period - AHEAD_S, self._bend
+            )
 
-    def _pose(self, context: Context) -> RigidTransform:
-        R, p = person_pose(context.get_time(), self._motion, *self._rest, *self._body)
+    def _pose(self, t: float) -> RigidTransform:
+        R, p = person_pose(t, self._motion, *self._rest, *self._body)
         return at(p, rotation_from(R))
+
+    def _configuration(self, t: float) -> GeometryConfigurationVector:
+        configuration = GeometryConfigurationVector()
+        X_WM, bend = self._pose(t), trunk_bend(t, self._motion)
+        R_WM, p_WM = X_WM.rotation().matrix(), X_WM.translation()
+        for geometry, skin in self._skin.items():
+            points: Any = (skin.points(bend) @ R_WM.T + p_WM).ravel()
+            configuration.set_value(geometry, points)
+        return configuration
+
+    def _bend(self, context: Context, state: State) -> EventStatus:
+        configuration: Any = state.get_mutable_abstract_state(0)
+        configuration.set_value(self._configuration(context.get_time() + AHEAD_S))
+        return EventStatus.Succeeded()
 
     def _calc_geometry_pose(self, context: Any, output: Any) -> None:
         poses = FramePoseVector()
-        poses.set_value(self._frame_id, self._pose(context))
+        poses.set_value(self._frame_id, self._pose(context.get_time()))
         output.set_value(poses)
 
     def _calc_body_pose(self, context: Context, output: BasicVector) -> None:
-        X_WM = self._pose(context)
+        X_WM = self._pose(context.get_time())
         quaternion = X_WM.rotation().ToQuaternion().wxyz()
         set_vector(output, np.concatenate([quaternion, X_WM.translation()]))
 

@@ -1,0 +1,81 @@
+"""One part of a person out of its glTF file: a single mesh of a single colour."""
+
+import base64
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bath_drake.errors import ScenarioError
+from bath_drake.files import read_bytes
+from bath_drake.notation import FloatArray, IntArray
+
+_MAX_BYTES = 64 * 1024 * 1024
+# Of glTF's component types, those that positions and indices have in such a file.
+_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A coloured mesh in frame M.
+
+    Attributes:
+        vertices: (n, 3) m, z up (glTF files have y up).
+        triangles: (m, 3) indices, counter-clockwise from outside.
+        rgba: (4,) its colour, 0 to 1.
+    """
+
+    vertices: FloatArray
+    triangles: IntArray
+    rgba: FloatArray
+
+
+def read_part(path: Path) -> Part:
+    """Reads a part whose buffers lie within the file.
+
+    Raises:
+        ScenarioError: If the file is missing, damaged or more than such a mesh.
+    """
+    data = read_bytes(path, limit=_MAX_BYTES, error=ScenarioError)
+    try:
+        part = _part(json.loads(data))
+    except (ArithmeticError, LookupError, TypeError, ValueError, RecursionError) as e:
+        raise ScenarioError(
+            f"{path}: not a glTF mesh with its buffers inside ({e!r:.80})"
+        ) from e
+    n = len(part.vertices)
+    if not np.isfinite(part.vertices).all():
+        raise ScenarioError(f"{path}: a vertex is not finite")
+    if not n or not len(part.triangles) or part.triangles.max() >= n:
+        raise ScenarioError(f"{path}: indices: allowed 0 to {n - 1}, at least three")
+    if part.rgba.shape != (4,) or not ((part.rgba >= 0) & (part.rgba <= 1)).all():
+        raise ScenarioError(f"{path}: baseColorFactor: allowed four numbers 0 to 1")
+    return part
+
+
+def _part(gltf: dict[str, Any]) -> Part:
+    (mesh,) = gltf["meshes"]
+    (primitive,) = mesh["primitives"]
+    material = gltf["materials"][primitive["material"]]["pbrMetallicRoughness"]
+    positions = _array(gltf, primitive["attributes"]["POSITION"]).astype(np.float64)
+    x, y, z = positions.T
+    return Part(
+        vertices=np.column_stack([x, -z, y]),
+        triangles=_array(gltf, primitive["indices"]).astype(np.int64).reshape(-1, 3),
+        rgba=np.array(material["baseColorFactor"], dtype=np.float64),
+    )
+
+
+def _array(gltf: dict[str, Any], index: int) -> np.ndarray[Any, Any]:
+    accessor = gltf["accessors"][index]
+    view = gltf["bufferViews"][accessor["bufferView"]]
+    uri = gltf["buffers"][view["buffer"]]["uri"]
+    data = base64.b64decode(uri.split("base64,", 1)[1])
+    width = _WIDTHS[accessor["type"]]
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    kind = _TYPES[accessor["componentType"]]
+    flat = np.frombuffer(data, kind, accessor["count"] * width, start)
+    return flat.reshape(-1, width) if width > 1 else flat

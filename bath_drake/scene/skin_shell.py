@@ -1,0 +1,113 @@
+"""A skin as Drake's SceneGraph wants a body that changes its shape: thin tetrahedra.
+
+SceneGraph's deformable geometries are tetrahedral meshes whose reference volumes are
+positive; the positions at run time are free. So every triangle becomes a prism of
+three tetrahedra, a fraction of a millimetre thick.
+"""
+
+import numpy as np
+from pydrake.common import MemoryFile
+from pydrake.geometry import InMemoryMesh, Mesh
+
+from bath_drake.notation import FloatArray, IntArray
+
+# Thin, for it is not skin one can feel; thick enough for single precision.
+THICKNESS_M = 3e-4
+
+# Single precision tells no thinner tetrahedron from a flat one.
+_LEAST_VOLUME_M3 = 1e-18
+
+
+def shell_mesh(shell: FloatArray, triangles: IntArray, name: str) -> Mesh:
+    """Returns the shell of a skin as a mesh in memory.
+
+    Args:
+        shell: (2 n, 3) m, as of `with_inside`; its vertices are the mesh's.
+        triangles: (m, 3) indices of the first n, as of `foldable`.
+        name: For error messages.
+    """
+    return _vtk_mesh(shell, shell_tetrahedra(triangles, len(shell) // 2), name)
+
+
+def foldable(
+    vertices: FloatArray, triangles: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """Returns a skin that a shell of positive volumes can be laid on.
+
+    Where the skin is folded so sharply that no direction at a vertex is inside of all
+    its triangles, the folded ones get vertices of their own, in the same places.
+
+    Args:
+        vertices: (n, 3) m.
+        triangles: (m, 3) indices, counter-clockwise from outside.
+    """
+    points = np.array(vertices, dtype=np.float64)
+    faces = np.array(triangles, dtype=np.int64)
+    alone = np.zeros(len(faces), dtype=bool)
+    while True:
+        used, packed = np.unique(faces, return_inverse=True)
+        points, faces = points[used], packed.reshape(-1, 3)
+        tetrahedra = shell_tetrahedra(faces, len(points))
+        flat = volumes(with_inside(points, faces), tetrahedra) <= _LEAST_VOLUME_M3
+        folded = flat.reshape(3, -1).any(axis=0)
+        if not folded.any():
+            return points, faces
+        # A triangle on its own that has no volume has no area: nobody sees it.
+        faces, alone, folded = (x[~(folded & alone)] for x in (faces, alone, folded))
+        corners = faces[folded].ravel()
+        own = len(points) + np.arange(len(corners))
+        faces[folded] = own.reshape(-1, 3)
+        points = np.concatenate([points, points[corners]])
+        alone |= folded
+
+
+def with_inside(vertices: FloatArray, triangles: IntArray) -> FloatArray:
+    """Returns a skin's vertices (n, 3) and those of its inside, (2 n, 3), m."""
+    facets = np.cross(
+        vertices[triangles[:, 1]] - vertices[triangles[:, 0]],
+        vertices[triangles[:, 2]] - vertices[triangles[:, 0]],
+    )
+    # By facets, not by their areas: a large one must not turn a fold inside out.
+    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-15)
+    normals = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(normals, triangles[:, corner], facets)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    return np.concatenate([vertices, vertices - THICKNESS_M * normals])
+
+
+def shell_tetrahedra(triangles: IntArray, count: int) -> IntArray:
+    """Returns the (3 m, 4) tetrahedra between a skin and its inside.
+
+    Args:
+        triangles: (m, 3) indices into `count` vertices; inside, `count` is added.
+        count: Of the skin's vertices.
+    """
+    # The lowest index first: then neighbours cut their common wall the same way.
+    first = triangles.argmin(axis=1)
+    row = np.arange(len(triangles))
+    a, b, c = (triangles[row, (first + k) % 3] for k in range(3))
+    A, B, C = a + count, b + count, c + count
+    rising = (b < c)[:, None]
+    top = np.where(rising, np.stack([a, c, b, C], 1), np.stack([a, c, b, B], 1))
+    middle = np.where(rising, np.stack([a, C, b, B], 1), np.stack([a, B, C, c], 1))
+    bottom = np.stack([a, B, A, C], axis=1)
+    return np.concatenate([top, middle, bottom])
+
+
+def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
+    """Returns the signed volumes (m,) of tetrahedra (m, 4), m^3."""
+    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
+    return np.asarray((np.cross(b - a, c - a) * (d - a)).sum(axis=1) / 6.0)
+
+
+def _vtk_mesh(points: FloatArray, tetrahedra: IntArray, name: str) -> Mesh:
+    lines = ["# vtk DataFile Version 3.0", "skin", "ASCII", "DATASET UNSTRUCTURED_GRID"]
+    lines.append(f"POINTS {len(points)} double")
+    lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]
+    lines.append(f"CELLS {len(tetrahedra)} {5 * len(tetrahedra)}")
+    lines += [f"4 {a} {b} {c} {d}" for a, b, c, d in tetrahedra]
+    lines.append(f"CELL_TYPES {len(tetrahedra)}")
+    lines += ["10"] * len(tetrahedra)
+    file = MemoryFile("\n".join(lines) + "\n", ".vtk", name)
+    return Mesh(InMemoryMesh(mesh_file=file), 1.0)
