@@ -39,6 +39,7 @@ from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
 from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
+from bath_drake.systems.skin_view import DrawnPart, SkinView
 from bath_drake.wiring import add_all, connect
 
 # What a run logs. `body_pose` is the truth: into the log, nowhere else.
@@ -75,7 +76,11 @@ def log_name(system: str, port: str) -> str:
 def build_perception(scenario: Scenario) -> Diagram:
     """The scene, the camera and what is made of its images; the arm stays at home."""
     builder = DiagramBuilder()
-    scene = add_scene(builder, scenario.scene)
+    scene = add_scene(
+        builder,
+        scenario.scene,
+        frame_period=1.0 / scenario.perception.camera_rate,
+    )
     camera = _add_sensor(builder, scenario, scene)
     perception = _add_perception(builder, scenario, scene, camera)
     rest = np.concatenate([home_position(scenario.scene.arm), np.zeros(7)])
@@ -115,7 +120,11 @@ def build_reproduction(
         ScenarioError: If the person the scenario names is not there or damaged.
     """
     builder = DiagramBuilder()
-    scene = add_scene(builder, scenario.scene)
+    scene = add_scene(
+        builder,
+        scenario.scene,
+        frame_period=1.0 / scenario.perception.camera_rate,
+    )
     camera = _add_sensor(builder, scenario, scene)
     perception = _add_perception(builder, scenario, scene, camera)
     control = add_control(builder, scenario, skill)
@@ -137,6 +146,7 @@ def build_reproduction(
             MeshcatVisualizerParams(publish_period=_MESHCAT_PERIOD_S),
         )
         visualizer.set_name("meshcat_visualizer")
+        _add_skin_view(builder, scene, meshcat)
     diagram = builder.Build()
     diagram.set_name("reproduction")
     return diagram
@@ -156,6 +166,16 @@ def _add_sensor(
         seed=scenario.random_seed,
         period=1.0 / scenario.perception.camera_rate,
     )
+
+
+def _add_skin_view(builder: DiagramBuilder, scene: Scene, meshcat: Meshcat) -> None:
+    if not scene.skin:
+        return
+    drawn = zip(scene.skin, scene.skin_geometries, strict=True)
+    parts = [DrawnPart(p.name, id_, p.triangles, p.rgba) for p, id_ in drawn]
+    view = SkinView(meshcat=meshcat, parts=parts, period=_MESHCAT_PERIOD_S)
+    builder.AddNamedSystem("skin_view", view)
+    connect(builder, scene.patient_motion, "skin_configuration", [view])
 
 
 def _add_perception(

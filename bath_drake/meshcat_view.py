@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat, Rgba
+from pydrake.math import RigidTransform
 
 from bath_drake.composition.chain import Chain
 from bath_drake.control.approach import Phase
@@ -61,8 +62,20 @@ class Overlay:
         return self.stage is None or (stage == self.stage) != self.waits
 
 
+# Gives X_MMr at a time, s: how a bending person's back has moved within M from rest.
+BackMotion = Callable[[float], RigidTransform]
+
+
+def at_rest(t: float) -> RigidTransform:
+    """The motion of a back that does not bend."""
+    return RigidTransform()
+
+
 def overlays_of_run(
-    log: SimulationLog, evaluation: Evaluation, skill: Skill
+    log: SimulationLog,
+    evaluation: Evaluation,
+    skill: Skill,
+    back: BackMotion = at_rest,
 ) -> list[Overlay]:
     """Returns what there is to draw of a run; kinds without lines are left out."""
     path = evaluation.washed_points_M + _LIFT * evaluation.normals_M
@@ -72,7 +85,7 @@ def overlays_of_run(
     ]
     frame = _clearest_frame(log)
     if frame is not None:
-        overlays += _seen_in(frame, skill)
+        overlays += _seen_in(frame, skill, back)
     return [overlay for overlay in overlays if overlay.lines]
 
 
@@ -102,9 +115,10 @@ def _clearest_frame(log: SimulationLog) -> Keyframe | None:
     return Keyframe(log, min(usable, key=lambda k: float(log.keyframe_reach[k, 1])))
 
 
-def _seen_in(frame: Keyframe, skill: Skill) -> list[Overlay]:
+def _seen_in(frame: Keyframe, skill: Skill, back: BackMotion) -> list[Overlay]:
     """Obstacles, restricted areas, box, start and goal, on the skin of one frame."""
-    X_MW = pose_from_row(_at(frame.log, frame.time)).inverse()
+    X_WM = pose_from_row(_at(frame.log, frame.time)) @ back(float(frame.time))
+    X_MW = X_WM.inverse()
     R_MW = np.asarray(X_MW.rotation().matrix())
 
     def in_M(p_W: FloatArray) -> FloatArray:
@@ -246,7 +260,11 @@ def draw_overlays(meshcat: Meshcat, overlays: Sequence[Overlay]) -> None:
 
 
 def record_overlays(
-    meshcat: Meshcat, log: SimulationLog, evaluation: Evaluation, skill: Skill
+    meshcat: Meshcat,
+    log: SimulationLog,
+    evaluation: Evaluation,
+    skill: Skill,
+    back: BackMotion = at_rest,
 ) -> None:
     """Adds a run's overlays to what Meshcat recorded of it.
 
@@ -257,14 +275,15 @@ def record_overlays(
         log: The run; its true body poses carry the overlays along.
         evaluation: Where the skin was washed.
         skill: What was reproduced.
+        back: How it bends.
     """
-    overlays = overlays_of_run(log, evaluation, skill)
+    overlays = overlays_of_run(log, evaluation, skill, back)
     draw_overlays(meshcat, overlays)
     by_stage = [overlay for overlay in overlays if overlay.stage is not None]
     animation = meshcat.get_mutable_recording()
     last, shown = -1, -1
     for time in np.arange(0.0, log.time[-1], 1.0 / _FRAMES_PER_SECOND):
-        X_WM = pose_from_row(_at(log, float(time)))
+        X_WM = pose_from_row(_at(log, float(time))) @ back(float(time))
         frame = animation.frame(float(time))
         if frame != last:
             animation.SetTransform(frame, ROOT, X_WM)
@@ -276,7 +295,8 @@ def record_overlays(
                     animation.SetProperty(frame, path, "visible", seen)
             shown = stage
         last = frame
-    meshcat.SetTransform(ROOT, pose_from_row(log.body_pose[-1]))
+    last_pose = pose_from_row(log.body_pose[-1]) @ back(float(log.time[-1]))
+    meshcat.SetTransform(ROOT, last_pose)
     for overlay in by_stage:
         seen = overlay.is_seen(int(log.stage[-1]))
         meshcat.SetProperty(f"{ROOT}/{overlay.name}", "visible", seen)

@@ -10,6 +10,7 @@ from bath_drake.diagrams import build_reproduction
 from bath_drake.errors import RunFolderError
 from bath_drake.files import write_atomically
 from bath_drake.learning.skill import Skill
+from bath_drake.meshcat_skin import BackPose, record_skin
 from bath_drake.meshcat_view import record_overlays, write_static_page
 from bath_drake.report.page import write_report
 from bath_drake.scenario import Scenario, dump_scenario
@@ -67,7 +68,8 @@ def simulate_into(
     log.save(folder / LOG)
     evaluation = evaluate(log, scenario, skill)
     write_metrics(folder / METRICS, evaluation.metrics)
-    record_overlays(meshcat, log, evaluation, skill)
+    record_skin(meshcat, scenario, float(log.time[-1]))
+    record_overlays(meshcat, log, evaluation, skill, BackPose(scenario))
     meshcat.PublishRecording()
     write_static_page(meshcat, folder / PAGE)
     write_report(folder)

@@ -24,6 +24,7 @@ from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
+from bath_drake.patient.washed_skin import washed_skin
 from bath_drake.patient.wound import signed_polygon_distance, wound_patch
 from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.hold import HoldReason
@@ -46,7 +47,8 @@ class Evaluation:
         executed: (n, 2) washed points in true canonical space.
         offsets: (n, 2) of them the periodic motion that was asked for; zero without.
         around: (n, 2) washed points seen from the discrete motion's reference.
-        washed_points_M: (n, 3) washed points on the true skin, in M, m.
+        washed_points_M: (n, 3) washed points of the true skin, where they are in M
+            while the person is at rest, m.
         normals_M: (n, 3) true outward normals there.
         clearance_mm: (n,) washed point to the nearest wound along the back, less
             than zero inside one; None without wounds.
@@ -94,10 +96,10 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     skin = TrueSkin(person)
     washing = np.flatnonzero(log.phase == Phase.WASH)
     nozzle, jet = _nozzle_in_mesh(log, washing)
-    distance, _, normals = skin.nearest(nozzle)
-    hits, met = skin.hit(nozzle, jet)
-    time, hits = log.time[washing], hits[met]
-    cosine = np.clip(-(jet * normals).sum(axis=1), -1.0, 1.0)
+    time = log.time[washing]
+    washed = washed_skin(skin, scenario.scene.motion, time, nozzle, jet)
+    distance, met, hits = washed.distance, washed.met, washed.resting
+    cosine = np.clip(-(jet * washed.normals).sum(axis=1), -1.0, 1.0)
     executed = skin.canonical_map.canonical_from_world(hits)
     offsets = log.canonical_offset[washing][met]
     reference = log.canonical_reference[washing][met]
@@ -155,7 +157,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         offsets=offsets,
         around=executed - reference,
         washed_points_M=hits,
-        normals_M=normals[met],
+        normals_M=washed.resting_normals,
         clearance_mm=clearance,
         wound_polygons_N=[outline / half for outline in outlines],
         mean_demonstration=skill.mean_demonstration,

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from scipy.spatial.transform import Rotation
 
-from bath_drake.notation import FloatArray
+from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.motion import Bend
 
 
@@ -61,7 +61,7 @@ class BendingSkin:
             bend.swell,
         )
 
-    def follower(self, vertices: FloatArray, weights: FloatArray) -> "BendingSkin":
+    def follower(self, vertices: IntArray, weights: FloatArray) -> "BendingSkin":
         """Returns other points that follow the same way.
 
         Args:

@@ -73,7 +73,7 @@ def _array(gltf: dict[str, Any], index: int) -> np.ndarray[Any, Any]:
     accessor = gltf["accessors"][index]
     view = gltf["bufferViews"][accessor["bufferView"]]
     uri = gltf["buffers"][view["buffer"]]["uri"]
-    data = base64.b64decode(uri.split("base64,", 1)[1])
+    data = base64.b64decode(uri.split("base64,", 1)[1], validate=True)
     width = _WIDTHS[accessor["type"]]
     start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
     kind = _TYPES[accessor["componentType"]]

@@ -36,7 +36,6 @@ class MotionConfig:
     chest_amplitude: float = 0.0  # m, the trunk's skin swells so far with the breath
     ramp: float = 3.0  # s, over which the motion grows from nothing
 
-
     @property
     def bends(self) -> bool:
         """Whether the skin changes its shape."""

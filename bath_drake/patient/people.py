@@ -136,7 +136,9 @@ def load_person(folder: str | Path) -> Person:
     block.finish()
     mesh = folder / "mesh.npz"
     arrays = read_arrays(mesh)
-    vertices, triangles, labels = (take_array(mesh, arrays, k) for k in ("V", "F", "label"))
+    vertices, triangles, labels = (
+        take_array(mesh, arrays, k) for k in ("V", "F", "label")
+    )
     _check_mesh(mesh, vertices, triangles, labels)
     arrays_of_person = (
         vertices.astype(np.float64),

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from pydrake.geometry import FrameId, SceneGraph
+from pydrake.geometry import FrameId, GeometryId, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
@@ -15,9 +15,9 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import RgbdSensor
 
 from bath_drake.patient.people import Person, load_person
+from bath_drake.patient.skin_parts import SkinPart
 from bath_drake.patient.wound import WoundPatch
 from bath_drake.scene.arm import add_arm, home_position
-from bath_drake.scene.bending_person import SkinPart
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.scene.room import add_pedestal
 from bath_drake.scene.studio import add_studio, true_person_pose
@@ -37,6 +37,7 @@ class Scene:
         person: The true person: for verification and placing alone.
         person_frame: The person's frame M in the SceneGraph.
         skin: The parts of a person that bends; without parts of a rigid one.
+        skin_geometries: Theirs in the SceneGraph, in the same order.
         wound: The true wound, or None.
         X_WC: The camera's pose.
         config: What it was built from.
@@ -50,6 +51,7 @@ class Scene:
     person: Person
     person_frame: FrameId
     skin: tuple[SkinPart, ...]
+    skin_geometries: tuple[GeometryId, ...]
     wound: WoundPatch | None
     X_WC: RigidTransform
     config: SceneConfig
@@ -97,9 +99,7 @@ def add_scene(
     plant.Finalize()
     plant.SetDefaultPositions(arm, home_position(config.arm))
     _compensate_gravity(builder, plant, arm)
-    studio = add_studio(
-        builder, scene_graph, config, person, frame_period=frame_period
-    )
+    studio = add_studio(builder, scene_graph, config, person, frame_period=frame_period)
     add_pedestal(scene_graph, studio.room, config.arm)
     return Scene(
         plant=plant,
@@ -110,6 +110,7 @@ def add_scene(
         person=person,
         person_frame=studio.person_frame,
         skin=studio.skin,
+        skin_geometries=studio.skin_geometries,
         wound=studio.wound,
         X_WC=studio.X_WC,
         config=config,

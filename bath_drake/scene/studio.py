@@ -28,17 +28,12 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
+from bath_drake.patient.bending import BendingSkin
 from bath_drake.patient.motion import person_pose
 from bath_drake.patient.people import PARTS, Person
-from bath_drake.patient.rig import bending_skin
-from bath_drake.patient.skin import TrueSkin
+from bath_drake.patient.skin_parts import SkinPart, skin_parts
 from bath_drake.patient.wound import WoundPatch, wound_patch
-from bath_drake.scene.bending_person import (
-    SkinPart,
-    add_bending_person,
-    add_skin_part,
-    follow,
-)
+from bath_drake.scene.bending_person import add_bending_parts
 from bath_drake.scene.config import CameraConfig, SceneConfig
 from bath_drake.scene.room import (
     add_camera_stand,
@@ -47,7 +42,6 @@ from bath_drake.scene.room import (
     coloured,
     obj_mesh,
 )
-from bath_drake.scene.skin_shell import THICKNESS_M
 from bath_drake.systems._poses import at, rotation_from
 from bath_drake.systems.patient_motion import PatientMotion
 
@@ -72,6 +66,7 @@ class Studio:
         person: The true person.
         person_frame: The person's frame M in the SceneGraph.
         skin: The parts of a person that bends; without parts of a rigid one.
+        skin_geometries: Theirs in the SceneGraph, in the same order.
         room: The SceneGraph's source of all that stands still.
         wound: The true wound, or None.
         X_WC: The camera's pose.
@@ -83,6 +78,7 @@ class Studio:
     person: Person
     person_frame: FrameId
     skin: tuple[SkinPart, ...]
+    skin_geometries: tuple[GeometryId, ...]
     room: SourceId
     wound: WoundPatch | None
     X_WC: RigidTransform
@@ -117,10 +113,14 @@ def add_studio(
     add_camera_stand(scene_graph, room, config.camera)
     source = scene_graph.RegisterSource("person")
     frame = scene_graph.RegisterFrame(source, GeometryFrame("person"))
-    wound = _wound(config, person)
+    wound = true_wound(config, person)
     skin: tuple[SkinPart, ...] = ()
+    shells: dict[GeometryId, BendingSkin] = {}
     if config.motion.bends:
-        skin = _add_bending_parts(scene_graph, source, person, wound)
+        skin = skin_parts(person, wound)
+        labels = PERSON_LABELS | {"wound": WOUND_LABEL}
+        geometries = add_bending_parts(scene_graph, source, skin, labels)
+        shells = {geometries[part.name]: part.shell for part in skin}
     else:
         _add_rigid_parts(scene_graph, source, frame, person, wound)
     motion = PatientMotion(
@@ -130,7 +130,7 @@ def add_studio(
         person_yaw=config.person_yaw,
         hips=person.hips,
         breath_direction=person.back_normal,
-        skin={part.geometry: part.shell for part in skin},
+        skin=shells,
         frame_period=frame_period,
     )
     builder.AddNamedSystem("patient_motion", motion)
@@ -144,7 +144,18 @@ def add_studio(
         )
     X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
     camera = _add_camera(builder, scene_graph, config.camera, X_WC)
-    return Studio(scene_graph, camera, motion, person, frame, skin, room, wound, X_WC)
+    return Studio(
+        scene_graph,
+        camera,
+        motion,
+        person,
+        frame,
+        skin,
+        tuple(shells),
+        room,
+        wound,
+        X_WC,
+    )
 
 
 def true_person_pose(config: SceneConfig, person: Person, t: float) -> RigidTransform:
@@ -181,7 +192,8 @@ def _renderer() -> RenderEngineVtkParams:
     )
 
 
-def _wound(config: SceneConfig, person: Person) -> WoundPatch | None:
+def true_wound(config: SceneConfig, person: Person) -> WoundPatch | None:
+    """Returns the true wound, at rest: for drawing and verification alone."""
     if config.wound is None:
         return None
     return wound_patch(
@@ -209,29 +221,6 @@ def _add_rigid_parts(
         frame,
         coloured(shape, RigidTransform(), "wound", _WOUND_COLOUR, WOUND_LABEL),
     )
-
-
-def _add_bending_parts(
-    scene_graph: SceneGraph,
-    source: SourceId,
-    person: Person,
-    wound: WoundPatch | None,
-) -> tuple[SkinPart, ...]:
-    parts = add_bending_person(scene_graph, source, person, PERSON_LABELS)
-    if wound is not None:
-        below = wound.vertices - THICKNESS_M * wound.normals
-        skin = TrueSkin(person)
-        part = add_skin_part(
-            scene_graph,
-            source,
-            follow(bending_skin(person), skin, np.vstack([wound.vertices, below])),
-            wound.triangles,
-            name="wound",
-            rgba=_WOUND_COLOUR.rgba,
-            label=WOUND_LABEL,
-        )
-        parts.append(part)
-    return tuple(parts)
 
 
 def _register_part(

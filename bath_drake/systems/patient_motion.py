@@ -31,7 +31,6 @@ from bath_drake.patient.motion import (
 from bath_drake.systems._ports import set_vector
 from bath_drake.systems._poses import at, rotation_from
 
-
 # The skin is made ready this long before the frame that shows it: updates of one
 # instant all see the state before it.
 AHEAD_S = 0.001

@@ -1,15 +1,13 @@
-"""A skin as Drake's SceneGraph wants a body that changes its shape: thin tetrahedra.
+"""A thin shell of tetrahedra on a skin of triangles.
 
 SceneGraph's deformable geometries are tetrahedral meshes whose reference volumes are
-positive; the positions at run time are free. So every triangle becomes a prism of
-three tetrahedra, a fraction of a millimetre thick.
+positive; so every triangle becomes a prism of three tetrahedra, a fraction of a
+millimetre thick.
 """
 
 import numpy as np
-from pydrake.common import MemoryFile
-from pydrake.geometry import InMemoryMesh, Mesh
 
-from bath_drake.notation import FloatArray, IntArray
+from bath_drake.notation import BoolArray, FloatArray, IntArray
 
 # Thin, for it is not skin one can feel; thick enough for single precision.
 THICKNESS_M = 3e-4
@@ -18,20 +16,7 @@ THICKNESS_M = 3e-4
 _LEAST_VOLUME_M3 = 1e-18
 
 
-def shell_mesh(shell: FloatArray, triangles: IntArray, name: str) -> Mesh:
-    """Returns the shell of a skin as a mesh in memory.
-
-    Args:
-        shell: (2 n, 3) m, as of `with_inside`; its vertices are the mesh's.
-        triangles: (m, 3) indices of the first n, as of `foldable`.
-        name: For error messages.
-    """
-    return _vtk_mesh(shell, shell_tetrahedra(triangles, len(shell) // 2), name)
-
-
-def foldable(
-    vertices: FloatArray, triangles: IntArray
-) -> tuple[FloatArray, IntArray]:
+def foldable(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
     """Returns a skin that a shell of positive volumes can be laid on.
 
     Where the skin is folded so sharply that no direction at a vertex is inside of all
@@ -46,14 +31,15 @@ def foldable(
     alone = np.zeros(len(faces), dtype=bool)
     while True:
         used, packed = np.unique(faces, return_inverse=True)
-        points, faces = points[used], packed.reshape(-1, 3)
+        points, faces = points[used], packed.reshape(-1, 3).astype(np.int64)
         tetrahedra = shell_tetrahedra(faces, len(points))
-        flat = volumes(with_inside(points, faces), tetrahedra) <= _LEAST_VOLUME_M3
-        folded = flat.reshape(3, -1).any(axis=0)
+        held = volumes(with_inside(points, faces), tetrahedra).reshape(3, -1)
+        folded: BoolArray = np.asarray(held.min(axis=0) <= _LEAST_VOLUME_M3)
         if not folded.any():
             return points, faces
         # A triangle on its own that has no volume has no area: nobody sees it.
-        faces, alone, folded = (x[~(folded & alone)] for x in (faces, alone, folded))
+        seen = ~(folded & alone)
+        faces, alone, folded = faces[seen], alone[seen], folded[seen]
         corners = faces[folded].ravel()
         own = len(points) + np.arange(len(corners))
         faces[folded] = own.reshape(-1, 3)
@@ -99,15 +85,3 @@ def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
     """Returns the signed volumes (m,) of tetrahedra (m, 4), m^3."""
     a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
     return np.asarray((np.cross(b - a, c - a) * (d - a)).sum(axis=1) / 6.0)
-
-
-def _vtk_mesh(points: FloatArray, tetrahedra: IntArray, name: str) -> Mesh:
-    lines = ["# vtk DataFile Version 3.0", "skin", "ASCII", "DATASET UNSTRUCTURED_GRID"]
-    lines.append(f"POINTS {len(points)} double")
-    lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]
-    lines.append(f"CELLS {len(tetrahedra)} {5 * len(tetrahedra)}")
-    lines += [f"4 {a} {b} {c} {d}" for a, b, c, d in tetrahedra]
-    lines.append(f"CELL_TYPES {len(tetrahedra)}")
-    lines += ["10"] * len(tetrahedra)
-    file = MemoryFile("\n".join(lines) + "\n", ".vtk", name)
-    return Mesh(InMemoryMesh(mesh_file=file), 1.0)
