@@ -144,7 +144,7 @@ def test_meshcat_shows_the_parts_it_is_given(scene_and_simulator):
     )
     assert isinstance(skin, GeometryConfigurationVector)
     view.GetInputPort("skin_configuration").FixValue(context, skin)
-    view.ForcedPublish(context)
+    Simulator(view, context).Initialize()
     assert set(shown) == {f"{ROOT}/{part.name}" for part in scene.skin}
     for part, geometry in zip(scene.skin, scene.skin_geometries, strict=True):
         points, faces, _ = shown[f"{ROOT}/{part.name}"]

@@ -1,0 +1,63 @@
+"""Where a nozzle washed: known places of a skin that bends meanwhile come back."""
+
+import numpy as np
+import pytest
+
+from bath_drake.patient.motion import MotionConfig, trunk_bend
+from bath_drake.patient.people import load_person
+from bath_drake.patient.rig import bending_skin
+from bath_drake.patient.skin import TrueSkin
+from bath_drake.patient.washed_skin import triangles_around_back, washed_skin
+
+BENDING = MotionConfig(
+    flexion_amplitude=0.14, spine_twist_amplitude=0.2, chest_amplitude=0.006
+)
+TIMES = np.array([0.0, 4.0, 9.3, 17.0])
+# A nozzle as far off as one that washes, m.
+STANDOFF = 0.06
+
+
+@pytest.fixture(scope="module")
+def skin():
+    return TrueSkin(load_person("f_avg"))
+
+
+@pytest.fixture(scope="module", params=[MotionConfig(), BENDING], ids=["rigid", "bent"])
+def washed(request, skin):
+    """A nozzle square over the same four places, whatever the skin does."""
+    places, met = skin.under(
+        np.array([[0.0, 0.0], [0.5, 0.4], [-0.6, 0.2], [0.2, -0.5]])
+    )
+    assert met.all()
+    corners, weights = skin.bind(places)
+    tips, normals = [], []
+    for k, t in enumerate(TIMES):
+        bend = trunk_bend(float(t), request.param)
+        now = TrueSkin(skin.person, bending_skin(skin.person).points(bend))
+        point = weights[k] @ now.bent[corners[k]]
+        _, _, (normal,) = now.nearest(point[None])
+        tips.append(point + STANDOFF * normal)
+        normals.append(normal)
+    tips, normals = np.array(tips), np.array(normals)
+    found = washed_skin(skin, request.param, TIMES, tips, -normals)
+    return found, places, normals
+
+
+def test_the_jet_meets_the_same_skin_wherever_it_has_gone(washed):
+    found, places, _ = washed
+    assert found.met.all()
+    # Rays and triangles are in single precision, metres from the origin.
+    np.testing.assert_allclose(found.resting, places, atol=5e-5)
+
+
+def test_distance_and_normal_are_those_of_the_skin_as_it_was(washed):
+    found, _, normals = washed
+    # Where the back is hollow the nearest skin is a little beside the jet's.
+    np.testing.assert_allclose(found.distance, STANDOFF, atol=5e-4)
+    cosine = (found.normals * normals).sum(axis=1)
+    assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 3.0
+
+
+def test_the_triangles_around_the_back_are_some_of_the_persons(skin):
+    around = triangles_around_back(skin.person)
+    assert 960 < len(around) < len(skin.person.triangles) / 2
