@@ -18,6 +18,7 @@ from bath_drake.errors import BathDrakeError
 VERBS = {
     "demo": "demonstrations -> learned skill -> closed loop -> report",
     "capture": "a demonstration out of an RGB-D recording of a marker",
+    "perceive": "what perception makes of an RGB-D recording, no simulator",
     "import": "a demonstration out of a C3D, MMM, NPZ or CSV file or a ROS bag",
     "show": "plot what demonstration files hold, before anyone learns from them",
     "learn": "learn one skill from one or more demonstration files",

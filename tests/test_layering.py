@@ -43,6 +43,7 @@ ORDER = (
     ("scenario", "wiring"),
     ("control_diagram", "canonical_diagram"),
     ("diagrams", "recording_diagram"),
+    ("recorded_perception",),
     ("simulation_log",),
     ("simulation",),
     ("carer_recording",),
