@@ -31,6 +31,7 @@ _LATERAL = normal_quantiles(_LATERAL_BITS)
 # The tilted term's factor over the square of the angle's cosine: no pixel needs acos.
 _ANGLES = np.arccos(np.sqrt(np.linspace(0.0, 1.0, _COSINE_STEPS + 1)))
 _TILTS = axial_deviation(np.ones(1), _ANGLES) - axial_deviation(np.ones(1), np.zeros(1))
+_NO_TILTS = np.zeros(0)
 _NO_GRAIN = np.zeros((0, 0), dtype=np.float32)
 
 
@@ -62,17 +63,17 @@ def noisy_depth(
         raise ValueError(f"depth must have shape {camera.shape}, got {depth.shape}")
     key = frame_key(seed, frame)
     seen = np.ascontiguousarray(depth, dtype=np.float32)
-    if sensor.baseline > 0.0:
-        seen = _seen_by_both(seen, camera.fx * sensor.baseline)
     grains = _NO_GRAIN
     if sensor.grain > 1:
         # A sum of so many independent numbers; its deviation is the window's side.
         size = (sensor.grain, sensor.grain)
-        own = _normal_image(np.uint64(scrambled(key)), camera.shape, _AXIAL)
-        sums = cv2.boxFilter(own, -1, size, normalize=False)
-        grains = np.asarray(sums / sensor.grain, dtype=np.float32)
+        shares = _AXIAL / np.float32(sensor.grain)
+        own = _normal_image(np.uint64(scrambled(key)), camera.shape, shares)
+        grains = np.asarray(
+            cv2.boxFilter(own, -1, size, dst=own, normalize=False), dtype=np.float32
+        )
     measured: DepthImage = _measure(
-        *_neighbourhoods(seen),
+        _rimmed(seen, camera.fx * sensor.baseline),
         key,
         np.round(sensor.lateral * _LATERAL).astype(np.int64),
         (camera.fx, camera.fy, camera.cx, camera.cy),
@@ -82,7 +83,7 @@ def noisy_depth(
         sensor.axial_with(camera.fx),
         _AXIAL,
         grains,
-        _TILTS * (sensor.tilt / KINECT_V2.tilt),
+        _TILTS * (sensor.tilt / KINECT_V2.tilt) if sensor.tilt > 0.0 else _NO_TILTS,
     )
     return measured
 
@@ -92,64 +93,57 @@ def _normal_image(
     key: np.uint64, shape: tuple[int, int], normal: DepthImage
 ) -> DepthImage:
     rows, columns = shape
-    out = np.empty((rows, columns), dtype=np.float32)
-    for v in range(rows):
-        for u in range(columns):
-            bits = pixel_bits(key, v * columns + u)
-            out[v, u] = normal[bits & np.uint64(0x3FFF)]
-    return out
+    pixels = rows * columns
+    out = np.empty(pixels, dtype=np.float32)
+    # 64 bits are enough for four.
+    for group in range((pixels + 3) // 4):
+        bits = pixel_bits(key, group)
+        for pixel in range(4 * group, min(4 * group + 4, pixels)):
+            out[pixel] = normal[bits & np.uint64(0x3FFF)]
+            bits >>= np.uint64(14)
+    return out.reshape(rows, columns)
 
 
 @njit(cache=True, error_model="numpy")
-def _seen_by_both(depth: DepthImage, disparity_depth: float) -> DepthImage:
-    """The left eye's image, without depth where the right eye sees something else.
+def _rimmed(depth: DepthImage, disparity_depth: float) -> DepthImage:
+    """The image with a rim that repeats its border; without depth is `NOWHERE`.
 
-    Seen from further right, what is nearer moves further left: a pixel is hidden
+    With a disparity (pixels, at a metre) what only the left eye sees has no depth:
+    seen from further right, what is nearer moves further left, so a pixel is hidden
     where one to its right comes to lie left of it.
     """
     rows, columns = depth.shape
-    out = np.zeros((rows, columns), dtype=np.float32)
-    for v in range(rows):
-        leftmost = np.inf
-        for k in range(columns):
-            u = columns - 1 - k
-            z = float(depth[v, u])
-            if not (z > 0.0 and z < NOWHERE):
-                continue
-            there = u - disparity_depth / z
-            if there < leftmost:
-                leftmost = there
-                out[v, u] = depth[v, u]
-    return out
-
-
-@njit(cache=True, error_model="numpy")
-def _neighbourhoods(depth: DepthImage) -> tuple[DepthImage, DepthImage, DepthImage]:
-    """The image with a rim, and each pixel's nearest and farthest depth in 3 x 3.
-
-    The rim repeats the image's border; pixels without depth are `NOWHERE`.
-    """
-    rows, columns = depth.shape
     nowhere = np.float32(NOWHERE)
-    z = np.full((rows + 2, columns + 2), nowhere)
-    nearest, farthest = np.empty_like(depth), np.empty_like(depth)
-    # Minima and maxima of three rows, then of three columns of those.
-    low, high = np.empty_like(z[0]), np.empty_like(z[0])
+    z = np.empty((rows + 2, columns + 2), dtype=np.float32)
     for v in range(rows):
         for u in range(columns):
             here = depth[v, u]
             z[v + 1, u + 1] = here if here > 0.0 and here < nowhere else nowhere
+        if disparity_depth > 0.0:
+            leftmost = np.inf
+            for u in range(columns, 0, -1):
+                there = u - disparity_depth / z[v + 1, u]
+                if there < leftmost:
+                    # Where there is nothing, nothing hides anything.
+                    leftmost = there if z[v + 1, u] < nowhere else leftmost
+                else:
+                    z[v + 1, u] = nowhere
     z[:, 0], z[:, -1] = z[:, 1], z[:, -2]
     z[0], z[-1] = z[1], z[-2]
-    for v in range(rows):
-        for u in range(columns + 2):
-            a, b, c = z[v, u], z[v + 1, u], z[v + 2, u]
-            low[u] = min(a, b, c)
-            high[u] = max(a, b, c)
-        for u in range(columns):
-            nearest[v, u] = min(low[u], low[u + 1], low[u + 2])
-            farthest[v, u] = max(high[u], high[u + 1], high[u + 2])
-    return z, nearest, farthest
+    return z
+
+
+# Python's own min and max ask for NaN, and are not vectorised.
+@njit(cache=True)
+def _least(a: float, b: float, c: float) -> float:
+    d = a if a < b else b
+    return d if d < c else c
+
+
+@njit(cache=True)
+def _greatest(a: float, b: float, c: float) -> float:
+    d = a if a > b else b
+    return d if d > c else c
 
 
 @njit(cache=True)
@@ -169,8 +163,6 @@ def _slopes(z: DepthImage, v: int, u: int) -> tuple[float, float]:
 @njit(cache=True, error_model="numpy")
 def _measure(
     z: DepthImage,
-    nearest: DepthImage,
-    farthest: DepthImage,
     key: np.uint64,
     lateral: IntArray,
     intrinsics: tuple[float, float, float, float],
@@ -182,7 +174,7 @@ def _measure(
     grains: DepthImage,
     tilts: FloatArray,
 ) -> DepthImage:
-    rows, columns = nearest.shape
+    rows, columns = z.shape[0] - 2, z.shape[1] - 2
     fx, fy, cx, cy = intrinsics
     near, far, resolution = limits
     edge, jump = edges
@@ -190,24 +182,31 @@ def _measure(
     a0, a1, a2 = coefficients
     per_fx, per_step = 1.0 / fx, 1.0 / resolution
     out = np.zeros((rows, columns), dtype=np.float32)
+    # The nearest and farthest of three rows, then of three columns of those.
+    low, high = np.empty_like(z[0]), np.empty_like(z[0])
     for v in range(rows):
+        for u in range(columns + 2):
+            a, b, c = z[v, u], z[v + 1, u], z[v + 2, u]
+            low[u], high[u] = _least(a, b, c), _greatest(a, b, c)
         y = (v + 0.5 - cy) / fy
         for u in range(columns):
             depth = float(z[v + 1, u + 1])
             bits = pixel_bits(key, v * columns + u)
             across, down = _slopes(z, v, u)
-            gap = float(farthest[v, u]) - float(nearest[v, u])
+            nearest = float(_least(low[u], low[u + 1], low[u + 2]))
+            farthest = float(_greatest(high[u], high[u + 1], high[u + 2]))
+            gap = farthest - nearest
             if gap > edge:
                 # Where another surface is near, the sampled place may show it.
                 dv = lateral[(bits >> np.uint64(14)) & np.uint64(0xFFF)]
                 du = lateral[(bits >> np.uint64(26)) & np.uint64(0xFFF)]
-                a = min(max(v + dv, 0), rows - 1)
-                b = min(max(u + du, 0), columns - 1)
-                there = float(z[a + 1, b + 1])
-                plane = depth + across * (b - u) + down * (a - v)
+                i = min(max(v + dv, 0), rows - 1)
+                j = min(max(u + du, 0), columns - 1)
+                there = float(z[i + 1, j + 1])
+                plane = depth + across * (j - u) + down * (i - v)
                 if abs(there - plane) > edge:
                     depth = there
-                    across, down = _slopes(z, a, b)
+                    across, down = _slopes(z, i, j)
             if depth > far + 1.0:
                 continue
             # Cross product of the surface's derivatives along the image's axes.
@@ -218,9 +217,10 @@ def _measure(
             cosine2 = depth * depth / (normal2 * (x * x + y * y + 1.0))
             if cosine2 < least_cosine2:
                 continue
-            tilt = tilts[int(min(cosine2, 1.0) * _COSINE_STEPS + 0.5)]
             deviation = 1e-3 * (a0 + a1 * depth + a2 * depth * depth)
-            deviation += depth * np.sqrt(depth) * tilt
+            if tilts.size > 0:
+                tilt = tilts[int(min(cosine2, 1.0) * _COSINE_STEPS + 0.5)]
+                deviation += depth * np.sqrt(depth) * tilt
             if grains.size > 0:
                 depth += deviation * grains[v, u]
             else:
@@ -229,9 +229,9 @@ def _measure(
                 fate = float(bits >> np.uint64(38)) * 2.0**-26
                 if fate < lost:
                     continue
-                if fate < lost + flying and farthest[v, u] < NOWHERE:
+                if fate < lost + flying and farthest < NOWHERE:
                     share = float(scrambled(bits) >> np.uint64(11)) * 2.0**-53
-                    depth = nearest[v, u] + share * gap
+                    depth = nearest + share * gap
             if depth >= near and depth <= far:
                 out[v, u] = np.floor(depth * per_step + 0.5) * resolution
     return out

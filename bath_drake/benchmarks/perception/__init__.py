@@ -1,0 +1,1 @@
+"""The parts of `bath-drake bench perception`, a module each."""
