@@ -70,6 +70,12 @@ def _capture(settings: Settings, progress: Progress) -> Report:
     return run(progress)
 
 
+def _perception(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.perception.all_parts import run
+
+    return run(progress)
+
+
 _LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
 BENCHMARKS = {
     "field": Benchmark(_field),
@@ -78,6 +84,7 @@ BENCHMARKS = {
     "frechet": Benchmark(_frechet, frozenset({"peers"})),
     "demonstrations": Benchmark(_demonstrations),
     "capture": Benchmark(_capture),
+    "perception": Benchmark(_perception),
 }
 
 

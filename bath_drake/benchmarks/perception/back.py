@@ -71,7 +71,7 @@ def run(progress: Progress) -> Report:
         progress(f"{name}, {motion}", k / len(pairs))
         period, count = FRAMES[motion]
         film = filmed(name, MOTIONS[motion])
-        found = measure(film, period * np.arange(count), period)
+        found = measure(film, np.asarray(period * np.arange(count)), period)
         measured[name, motion] = found
         rows.append(_row(name, motion, found))
     progress("done", 1.0)

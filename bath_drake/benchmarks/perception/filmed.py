@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,16 +101,16 @@ class Filmed:
         around = triangles_around_back(self.person)
         for k, t in enumerate(times):
             simulator.AdvanceTo(float(t))
-            label = studio.camera.label_image_output_port().Eval(view).data[..., 0]
-            depth = studio.camera.depth_image_32F_output_port().Eval(view).data[..., 0]
-            colour = studio.camera.color_image_output_port().Eval(view).data
+            label: Any = studio.camera.label_image_output_port().Eval(view)
+            depth: Any = studio.camera.depth_image_32F_output_port().Eval(view)
+            colour: Any = studio.camera.color_image_output_port().Eval(view)
             X_WM = true_person_pose(self.scene, self.person, float(t))
             bent = self.bending.points(trunk_bend(float(t), self.scene.motion))
             yield Frame(
                 t=float(t),
-                colour=colour.copy(),
-                depth=noisy_depth(depth, self.camera, seed=seed, frame=k),
-                back=np.isin(label, (PERSON_LABELS["back"], WOUND_LABEL)),
+                colour=colour.data.copy(),
+                depth=noisy_depth(depth.data[..., 0], self.camera, seed=seed, frame=k),
+                back=np.isin(label.data[..., 0], (PERSON_LABELS["back"], WOUND_LABEL)),
                 skin=TrueSkin(self.person, bent, around),
                 R_WM=np.array(X_WM.rotation().matrix()),
                 p_WM=np.array(X_WM.translation()),
