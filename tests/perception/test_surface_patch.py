@@ -3,7 +3,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.surface import desired_nozzle_pose, fit_surface
+from bath_drake.perception.surface import (
+    desired_nozzle_pose,
+    fit_path,
+    fit_surface,
+)
 
 
 @pytest.fixture
@@ -120,3 +124,33 @@ def test_the_nozzle_stands_off_square_to_the_skin(body, rng, roll):
     level = up - (up @ R_WE[:, 2]) * R_WE[:, 2]
     cosine = level @ R_WE[:, 0] / np.linalg.norm(level)
     assert cosine == pytest.approx(np.cos(roll), abs=1e-12)
+
+
+def test_a_path_is_fitted_as_its_points_are_one_by_one(body, rng):
+    points = _points(body, lambda x, y: x * y + 0.5 * x**2, rng, 6000, noise=1e-3)
+    # Beyond the square there is nothing to fit; at its edges one side is missing.
+    p_NQ = rng.uniform(-1.2, 1.2, (60, 2))
+    valid = 0
+    for p_N, patch in zip(p_NQ, fit_path(points, body, p_NQ), strict=True):
+        single = fit_surface(points, body, p_N)
+        valid += patch.valid
+        assert (patch.valid, patch.count) == (single.valid, single.count)
+        assert patch.radius == single.radius
+        # The points are summed in another order.
+        np.testing.assert_allclose(patch.p_WS, single.p_WS, atol=1e-10)
+        np.testing.assert_allclose(patch.normal_W, single.normal_W, atol=1e-8)
+        np.testing.assert_allclose(patch.curvatures, single.curvatures, atol=1e-6)
+        np.testing.assert_allclose(patch.rms, single.rms, atol=1e-9)
+    assert 10 < valid < 60
+
+
+def test_without_points_a_path_has_no_valid_patch(body):
+    patches = fit_path(np.zeros((0, 3)), body, np.zeros((3, 2)))
+    assert [patch.valid for patch in patches] == [False] * 3
+    np.testing.assert_array_equal(patches[0].normal_W, body.normal_W)
+
+
+@pytest.mark.parametrize("p_NQ", [np.zeros(2), np.full((3, 2), np.nan)])
+def test_a_path_of_no_points_of_the_plane_is_refused(body, p_NQ):
+    with pytest.raises(ValueError, match="p_NQ must be finite with shape"):
+        fit_path(np.zeros((5, 3)), body, p_NQ)
