@@ -7,7 +7,6 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.composition.rollout import chain_rollout
 from bath_drake.learning.skill import Skill
-from bath_drake.notation import FloatArray
 from bath_drake.scenario import Scenario, approach_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
 from bath_drake.systems.approach_sequencer import ApproachSequencer
@@ -59,7 +58,6 @@ def add_control(
                 plant=arm,
                 home=home_position(scenario.scene.arm),
                 posture=np.array(scenario.scene.arm.posture),
-                lowest=_lowest(scenario.scene.arm.elbow_fold),
             ),
             "nozzle_kinematics": NozzleKinematics(plant=arm),
             "canonical_tracker": CanonicalTracker(),
@@ -121,13 +119,6 @@ def add_control(
     )
     _join_reference(builder, systems)
     return systems
-
-
-def _lowest(elbow_fold: float) -> FloatArray:
-    """Positions (7,) no joint is commanded below; of all but the elbow none."""
-    lowest = np.full(7, -np.inf)
-    lowest[3] = elbow_fold
-    return lowest
 
 
 def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:

@@ -96,8 +96,6 @@ class ArmConfig:
     posture: list[float] = field(
         default_factory=lambda: [1.3, 1.18, -1.35, -2.2, -1.85, 1.35, 0.9]
     )
-    # rad, how far the elbow (joint 4) folds: from -2.885 on links 1 and 5 touch.
-    elbow_fold: float = -2.82
     # N m/rad and N m s/rad, the implicit PD of each joint.
     stiffness: list[float] = field(
         default_factory=lambda: [2400, 2400, 2400, 2400, 1000, 600, 200]
@@ -165,7 +163,6 @@ def check_scene(config: SceneConfig) -> None:
     for name, value in {
         "person_yaw": config.person_yaw,
         "arm.base_yaw": arm.base_yaw,
-        "arm.elbow_fold": arm.elbow_fold,
         "camera.cx": camera.cx,
         "camera.cy": camera.cy,
     }.items():

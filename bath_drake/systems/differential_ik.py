@@ -65,7 +65,6 @@ class DifferentialIk(LeafSystem):
         plant: MultibodyPlant,
         home: FloatArray,
         posture: FloatArray | None = None,
-        lowest: FloatArray | None = None,
         tracking: TrackingConfig | None = None,
         time_step: float = 0.005,
         joint_margin: float = 0.08,
@@ -79,8 +78,6 @@ class DifferentialIk(LeafSystem):
             plant: The arm alone, finalised, seven positions.
             home: (7,) initial command, rad.
             posture: (7,) what the null space is drawn to, rad; None for `home`.
-            lowest: (7,) positions no command goes below, rad, where the plant's own
-                limits let the arm touch itself; None for those alone.
             tracking: Gains and limits of the pose tracking; None for the defaults.
             time_step: Period of the update, s.
             joint_margin: Kept from both ends of each joint's range, rad.
@@ -106,8 +103,6 @@ class DifferentialIk(LeafSystem):
             raise ValueError(f"speed_fraction must be at most 1, got {speed_fraction}")
         low = np.array(plant.GetPositionLowerLimits()) + joint_margin
         high = np.array(plant.GetPositionUpperLimits()) - joint_margin
-        if lowest is not None:
-            low = np.maximum(low, lowest)
         home = np.array(home, dtype=np.float64)
         posture = home if posture is None else np.array(posture, dtype=np.float64)
         for name, q in (("home", home), ("posture", posture)):

@@ -148,25 +148,3 @@ def test_the_camera_sees_hulls_and_the_display_the_full_meshes(scene_and_diagram
 def test_numbers_that_make_no_scene_are_refused_by_name(config, message):
     with pytest.raises(ValueError, match=message):
         check_scene(config)
-
-
-def test_a_folded_elbow_does_not_touch_the_arm_itself(scene_and_diagram, context):
-    """Whatever the joints beside it: the command stops where nothing touches yet."""
-    scene, _, _ = scene_and_diagram
-    plant, own = scene.plant, scene.plant.GetMyMutableContextFromRoot(context)
-
-    def touching(elbow):
-        rng = np.random.default_rng(5)
-        count = 0
-        for _ in range(40):
-            q = home_position(scene.config.arm)
-            q[:3] += rng.uniform(-0.5, 0.5, 3)
-            q[3] = elbow
-            plant.SetPositions(own, scene.arm, q)
-            query = plant.get_geometry_query_input_port().Eval(own)
-            count += len(query.ComputePointPairPenetration())
-        return count
-
-    assert touching(scene.config.arm.elbow_fold) == 0
-    # As far as the joint's own limit and the margin go, it does touch.
-    assert touching(-2.96) > 0
