@@ -26,13 +26,6 @@ UP_W.setflags(write=False)
 # Pixels this near to the robot are beside it.
 ROBOT_RIM = 2.0
 
-# Normals of shoulders are differences over so many pixels to either side: wide enough
-# for the sensor's noise, narrow enough for a shoulder's roundness.
-NORMAL_REACH = 5
-
-# Holes of so many pixels are the sensor's, not the body's.
-SPECK = 12
-
 # A disc of this share of the torso's covers no forearm, but the pieces of a back
 # on both sides of the robot.
 LIMB_SHARE = 0.6
@@ -266,10 +259,8 @@ def _segment(
     skin = skin | hidden
     skin = skin | (morphology.closed(skin, config.gap_radius / pitch) & solid)
     skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
-    # A pixel the sensor lost in the middle of a back must not keep the disc out.
-    whole = _without_specks(skin)
-    torso = skin & morphology.stoutest_part(
-        whole, config.torso_radius / pitch, config.torso_share
+    torso = morphology.stoutest_part(
+        skin, config.torso_radius / pitch, config.torso_share
     )
     visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config, expected)
     if expected is None:
@@ -292,26 +283,21 @@ def _trimmed(
     expected: Expectation | None,
 ) -> BoolArray:
     """Cuts off shoulder tops, the neck's stump and what hangs below the waist."""
-    normals = pixel_normals(points_W, torso, NORMAL_REACH)
+    normals = pixel_normals(points_W, torso, 2)
     # A hole that belongs to the back may hold pixels without depth.
     torso = torso & np.isfinite(points_W[..., 0])
-    rising = torso & (normals @ UP_W > config.max_rise)
-    if (torso & ~rising).sum() < MIN_POINTS:
+    torso &= normals @ UP_W <= config.max_rise
+    points = points_W[torso]
+    if len(points) < MIN_POINTS:
         return np.zeros_like(torso)
     if expected is not None:
         R_WP, span = expected.R_WP, expected.span
     else:
-        points = points_W[torso & ~rising]
         # Normals are on the camera's side: so is the point their mean leads to.
-        eye = points.mean(axis=0) + normals[torso & ~rising].mean(axis=0)
+        eye = points.mean(axis=0) + normals[torso].mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
         span = -np.inf, np.inf
-    # Shoulders are above the middle; below it a stout back rises too.
-    along = points_W[rising] @ R_WP[:, 1]
-    middle = np.median(points_W[torso] @ R_WP[:, 1])
-    rows, columns = np.nonzero(rising)
-    torso[rows[along > middle], columns[along > middle]] = False
-    across, along = (points_W[torso] @ R_WP[:, :2]).T
+    across, along = (points @ R_WP[:, :2]).T
     level, left, right = edges_by_level(along, across)
     broad = right - left >= config.min_breadth * (right - left).max()
     # Where the robot touches the back its breadth is unknown, its end expected.
@@ -322,17 +308,6 @@ def _trimmed(
     rows, columns = np.nonzero(torso)
     torso[rows[~keep], columns[~keep]] = False
     return torso
-
-
-def _without_specks(mask: BoolArray) -> BoolArray:
-    """Closes holes of a few pixels, whatever is seen through them."""
-    holes = morphology.without_holes(mask) & ~mask
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(
-        holes.view(np.uint8), connectivity=4
-    )
-    speck = stats[:, cv2.CC_STAT_AREA] <= SPECK
-    speck[0] = False
-    return np.asarray(mask | speck[labels])
 
 
 def _with_small_holes(

@@ -141,26 +141,3 @@ def test_a_hole_with_a_pixel_without_depth_is_survived(draw_frame):
     again = frame.observe()
     assert again.found
     assert np.isfinite(again.points_W).all()
-
-
-@pytest.mark.parametrize("share", [0.5, 0.8, 0.9])
-def test_a_pixel_the_sensor_lost_takes_no_piece_of_the_back_with_it(draw_frame, share):
-    frame = draw_frame()
-    whole = _segment(frame)[0]
-    rows, columns = np.nonzero(whole)
-    row = int(np.quantile(rows, share))
-    column = int(np.median(columns[rows == row]))
-    frame.depth[row, column] = 0.0
-    lost = whole & ~_segment(frame)[0]
-    # The pixel itself, and those beside it that no depth speaks for.
-    assert lost.sum() <= 9
-
-
-def test_a_stout_back_that_rises_below_its_middle_is_kept(render_person):
-    # Leaning forwards turns the small of a stout back up to the camera.
-    frame = render_person("m_heavy")
-    found = _segment(frame)[0]
-    rows = np.nonzero(frame.back)[0]
-    low = np.zeros_like(frame.back)
-    low[int(np.quantile(rows, 0.6)) :] = True
-    assert (found & frame.back & low).sum() >= 0.85 * (frame.back & low).sum()
