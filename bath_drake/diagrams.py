@@ -18,10 +18,8 @@ from pydrake.systems.primitives import (
 
 from bath_drake.control_diagram import add_control
 from bath_drake.learning.skill import Skill
-from bath_drake.scenario import (
-    Scenario,
-    segmentation,
-)
+from bath_drake.perception_diagram import add_perception, export_perception
+from bath_drake.scenario import Scenario
 from bath_drake.scene import (
     ArmGeometry,
     Scene,
@@ -35,12 +33,9 @@ from bath_drake.scene.sensing import (
     add_frame_recorder,
 )
 from bath_drake.systems._ports import drake_vector
-from bath_drake.systems.body_segmenter import BodySegmenter
-from bath_drake.systems.canonical_projector import CanonicalProjector
 from bath_drake.systems.frame_recorder import WriteFrame
-from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 from bath_drake.systems.skin_view import DrawnPart, SkinView
-from bath_drake.wiring import add_all, connect
+from bath_drake.wiring import connect
 
 # What a run logs. `body_pose` is the truth: into the log, nowhere else.
 LOGGED_PORTS = (
@@ -76,12 +71,7 @@ def log_name(system: str, port: str) -> str:
 def build_perception(scenario: Scenario) -> Diagram:
     """The scene, the camera and what is made of its images; the arm stays at home."""
     builder = DiagramBuilder()
-    scene = add_scene(
-        builder,
-        scenario.scene,
-        frame_period=1.0 / scenario.perception.camera_rate,
-    )
-    camera = _add_sensor(builder, scenario, scene)
+    scene, camera = _add_studio(builder, scenario)
     perception = _add_perception(builder, scenario, scene, camera)
     rest = np.concatenate([home_position(scenario.scene.arm), np.zeros(7)])
     command = builder.AddNamedSystem(
@@ -90,12 +80,7 @@ def build_perception(scenario: Scenario) -> Diagram:
     builder.Connect(
         command.get_output_port(), scene.plant.get_desired_state_input_port(scene.arm)
     )
-    for system, port in (
-        (perception["body_segmenter"], "body_observation"),
-        (perception["canonical_projector"], "canonical_map"),
-        (perception["restricted_area_detector"], "sensed_obstacles"),
-    ):
-        builder.ExportOutput(system.GetOutputPort(port), port)
+    export_perception(builder, perception)
     diagram = builder.Build()
     diagram.set_name("perception")
     return diagram
@@ -120,12 +105,7 @@ def build_reproduction(
         ScenarioError: If the person the scenario names is not there or damaged.
     """
     builder = DiagramBuilder()
-    scene = add_scene(
-        builder,
-        scenario.scene,
-        frame_period=1.0 / scenario.perception.camera_rate,
-    )
-    camera = _add_sensor(builder, scenario, scene)
+    scene, camera = _add_studio(builder, scenario)
     perception = _add_perception(builder, scenario, scene, camera)
     control = add_control(builder, scenario, skill)
     _close_loop(builder, scene, perception, control)
@@ -152,11 +132,13 @@ def build_reproduction(
     return diagram
 
 
-def _add_sensor(
-    builder: DiagramBuilder, scenario: Scenario, scene: Scene
-) -> CameraPorts:
-    """The camera's images, noisy if the scenario says so."""
-    return add_camera_noise(
+def _add_studio(
+    builder: DiagramBuilder, scenario: Scenario
+) -> tuple[Scene, CameraPorts]:
+    """The scene, and its camera's images, noisy if the scenario says so."""
+    period = 1.0 / scenario.perception.camera_rate
+    scene = add_scene(builder, scenario.scene, frame_period=period)
+    ports = add_camera_noise(
         builder,
         CameraPorts(
             scene.camera.color_image_output_port(),
@@ -164,8 +146,9 @@ def _add_sensor(
         ),
         scenario.scene.camera,
         seed=scenario.random_seed,
-        period=1.0 / scenario.perception.camera_rate,
+        period=period,
     )
+    return scene, ports
 
 
 def _add_skin_view(builder: DiagramBuilder, scene: Scene, meshcat: Meshcat) -> None:
@@ -181,28 +164,16 @@ def _add_skin_view(builder: DiagramBuilder, scene: Scene, meshcat: Meshcat) -> N
 def _add_perception(
     builder: DiagramBuilder, scenario: Scenario, scene: Scene, camera: CameraPorts
 ) -> dict[str, Any]:
-    config = scenario.perception
-    systems = add_all(
+    period = 1.0 / scenario.perception.camera_rate
+    systems = add_perception(
         builder,
-        {
-            "arm_position": Demultiplexer([7, 7]),
-            "body_segmenter": BodySegmenter(
-                camera=scenario.scene.camera.pinhole(),
-                X_WC=scene.X_WC,
-                robot=ArmGeometry(scenario.scene.arm),
-                config=segmentation(scenario),
-                period=1.0 / config.camera_rate,
-            ),
-            "canonical_projector": CanonicalProjector(period=1.0 / config.camera_rate),
-            "restricted_area_detector": RestrictedAreaDetector(
-                margin=config.area_margin, period=1.0 / config.camera_rate
-            ),
-        },
+        scenario,
+        camera=scenario.scene.camera.pinhole(),
+        X_WC=scene.X_WC,
+        robot=ArmGeometry(scenario.scene.arm),
+        period=period,
     )
-    segmenter = systems["body_segmenter"]
-    projector = systems["canonical_projector"]
-    detector = systems["restricted_area_detector"]
-    split = systems["arm_position"]
+    split = builder.AddNamedSystem("arm_position", Demultiplexer([7, 7]))
     builder.Connect(
         scene.plant.get_state_output_port(scene.arm), split.get_input_port()
     )
@@ -213,8 +184,9 @@ def _add_perception(
         now,
         scenario.scene.camera,
         seed=scenario.random_seed,
-        period=1.0 / config.camera_rate,
+        period=period,
     )
+    segmenter = systems["body_segmenter"]
     for port, name in (
         (come.colour, "colour_image"),
         (come.depth, "depth_image"),
@@ -223,8 +195,6 @@ def _add_perception(
     ):
         if port is not None:
             builder.Connect(port, segmenter.GetInputPort(name))
-    connect(builder, segmenter, "body_observation", [projector, detector])
-    connect(builder, projector, "canonical_map", [detector])
     return systems
 
 

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
@@ -14,13 +13,12 @@ from bath_drake.errors import DemonstrationError
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.segmentation import BodyObservation
-from bath_drake.scenario import Scenario, segmentation
-from bath_drake.systems._ports import drake_vector
-from bath_drake.systems.body_segmenter import BodySegmenter
-from bath_drake.systems.canonical_projector import FRAME_DELAY_S, CanonicalProjector
-from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
+from bath_drake.perception_diagram import add_perception, export_perception
+from bath_drake.scenario import Scenario
+from bath_drake.systems._poses import at, rotation_from
+from bath_drake.systems.canonical_projector import FRAME_DELAY_S
 from bath_drake.systems.rgbd_recording import RgbdRecording
-from bath_drake.wiring import add_all, connect
+from bath_drake.wiring import connect
 
 # After the areas of the same frame.
 _LAG_S = 3.0 * FRAME_DELAY_S
@@ -70,41 +68,22 @@ def build_recorded_perception(recording: RgbdFolder, scenario: Scenario) -> Diag
             f"{recording.path / INTRINSICS}: X_WC: is missing, expected 4 rows of 4, "
             "the camera's pose in a world whose z points up"
         )
-    period = look_period(recording)
     R_WC, p_WC = recording.X_WC[:3, :3], recording.X_WC[:3, 3]
     builder = DiagramBuilder()
-    systems = add_all(
-        builder,
-        {
-            "rgbd_recording": RgbdRecording(recording=recording),
-            "body_segmenter": BodySegmenter(
-                camera=recording.camera,
-                X_WC=RigidTransform(
-                    RotationMatrix.ProjectToRotationMatrix(drake_vector(R_WC)),
-                    drake_vector(p_WC),
-                ),
-                robot=None,
-                config=segmentation(scenario),
-                period=period,
-            ),
-            "canonical_projector": CanonicalProjector(period=period),
-            "restricted_area_detector": RestrictedAreaDetector(
-                margin=scenario.perception.area_margin, period=period
-            ),
-        },
+    player = builder.AddNamedSystem(
+        "rgbd_recording", RgbdRecording(recording=recording)
     )
-    segmenter, projector = systems["body_segmenter"], systems["canonical_projector"]
-    detector = systems["restricted_area_detector"]
+    systems = add_perception(
+        builder,
+        scenario,
+        camera=recording.camera,
+        X_WC=at(p_WC, rotation_from(R_WC)),
+        robot=None,
+        period=look_period(recording),
+    )
     for port in ("colour_image", "depth_image", "frame_stamp"):
-        connect(builder, systems["rgbd_recording"], port, [segmenter])
-    connect(builder, segmenter, "body_observation", [projector, detector])
-    connect(builder, projector, "canonical_map", [detector])
-    for system, port in (
-        (segmenter, "body_observation"),
-        (projector, "canonical_map"),
-        (detector, "sensed_obstacles"),
-    ):
-        builder.ExportOutput(system.GetOutputPort(port), port)
+        connect(builder, player, port, [systems["body_segmenter"]])
+    export_perception(builder, systems)
     diagram = builder.Build()
     diagram.set_name("recorded_perception")
     return diagram

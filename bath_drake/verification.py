@@ -26,6 +26,7 @@ from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.washed_skin import washed_skin
 from bath_drake.patient.wound import signed_polygon_distance, wound_patch
+from bath_drake.perception.frame_delivery import dropped_frames
 from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.outcome import LoopOutcome
@@ -133,7 +134,12 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "min_beta": _min_beta(log, washing),
         "coverage": None,
         "frames": int(log.frames),
-        "dropped_frames": 0,
+        "dropped_frames": dropped_frames(
+            scenario.scene.camera.faults,
+            seed=scenario.random_seed,
+            period=1.0 / scenario.perception.camera_rate,
+            count=int(log.frames),
+        ),
         "holds": {
             reason.name.lower(): int(count)
             for reason, count in zip(HoldReason, log.hold_counts, strict=True)

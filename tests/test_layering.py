@@ -41,7 +41,7 @@ ORDER = (
     ("systems",),
     ("scene",),
     ("scenario", "wiring"),
-    ("control_diagram", "canonical_diagram"),
+    ("control_diagram", "canonical_diagram", "perception_diagram"),
     ("diagrams", "recording_diagram"),
     ("recorded_perception",),
     ("simulation_log",),

@@ -8,6 +8,7 @@ millimetre thick.
 import numpy as np
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.patient.normals import vertex_normals
 
 # Thin, for it is not skin one can feel; thick enough for single precision.
 THICKNESS_M = 3e-4
@@ -49,16 +50,8 @@ def foldable(vertices: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
 
 def with_inside(vertices: FloatArray, triangles: IntArray) -> FloatArray:
     """Returns a skin's vertices (n, 3) and those of its inside, (2 n, 3), m."""
-    facets = np.cross(
-        vertices[triangles[:, 1]] - vertices[triangles[:, 0]],
-        vertices[triangles[:, 2]] - vertices[triangles[:, 0]],
-    )
     # By facets, not by their areas: a large one must not turn a fold inside out.
-    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-15)
-    normals = np.zeros_like(vertices)
-    for corner in range(3):
-        np.add.at(normals, triangles[:, corner], facets)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals = vertex_normals(vertices, triangles, False)
     return np.concatenate([vertices, vertices - THICKNESS_M * normals])
 
 

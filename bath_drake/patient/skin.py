@@ -14,6 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.patient.normals import vertex_normals
 from bath_drake.patient.people import LABEL_BACK, Person
 from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
 
@@ -56,18 +57,11 @@ class TrueSkin:
     @cached_property
     def _vertex_normals(self) -> FloatArray:
         # Area-weighted, so that a facet's size does not bend the normal.
-        v, f = self._mesh
-        facets = np.cross(v[f[:, 1]] - v[f[:, 0]], v[f[:, 2]] - v[f[:, 0]])
-        normals = np.zeros_like(v)
-        for corner in range(3):
-            np.add.at(normals, f[:, corner], facets)
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        return np.asarray(normals / np.maximum(lengths, 1e-12))
+        return np.asarray(vertex_normals(*self._mesh, True))
 
     def _normals_at(self, triangles: IntArray, uvs: FloatArray) -> FloatArray:
-        corners = self._vertex_normals[self._mesh[1][triangles]]
-        weights = np.column_stack([1.0 - uvs.sum(axis=1), uvs])
-        normals = (corners * weights[:, :, None]).sum(axis=1)
+        corners, weights = self._corners(triangles, uvs)
+        normals = (self._vertex_normals[corners] * weights[:, :, None]).sum(axis=1)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         return np.asarray(normals / np.maximum(lengths, 1e-12))
 
@@ -89,11 +83,33 @@ class TrueSkin:
         self, p_MQ: FloatArray, direction_M: FloatArray
     ) -> tuple[FloatArray, BoolArray]:
         """Follows rays (n, 3) to the skin: points (n, 3), and whether they meet it."""
-        rays = _tensor(np.concatenate([p_MQ, direction_M], axis=1))
-        distance = self._scene.cast_rays(rays)["t_hit"].numpy()
+        distance = self._cast(p_MQ, direction_M)["t_hit"].numpy()
         met = np.isfinite(distance)
         reach = np.where(met, distance, 0.0)[:, None]
         return p_MQ + reach * direction_M, met
+
+    def _cast(self, p_MQ: FloatArray, direction_M: FloatArray) -> Any:
+        rays = _tensor(np.concatenate([p_MQ, direction_M], axis=1))
+        return self._scene.cast_rays(rays)
+
+    def struck(
+        self, p_MQ: FloatArray, direction_M: FloatArray
+    ) -> tuple[IntArray, FloatArray, BoolArray]:
+        """Follows rays (n, 3) to the skin, as matter that may move.
+
+        Returns:
+            Vertices (n, 3) and weights (n, 3) as of `bind`, and whether there is any
+            skin, (n,); where there is none, the first two say nothing.
+        """
+        found = self._cast(p_MQ, direction_M)
+        met = np.isfinite(found["t_hit"].numpy())
+        chosen = np.where(met, found["primitive_ids"].numpy(), 0).astype(np.int64)
+        return *self._corners(chosen, found["primitive_uvs"].numpy()), met
+
+    def _corners(self, triangles: IntArray, uvs: Any) -> tuple[IntArray, FloatArray]:
+        uvs = uvs.astype(np.float64)
+        weights = np.column_stack([1.0 - uvs.sum(axis=1), uvs])
+        return self._mesh[1][triangles], weights
 
     def on_back(self, p_MQ: FloatArray) -> BoolArray:
         """Whether points (n, 3) lie nearest to triangles of the back: (n,)."""
@@ -109,9 +125,9 @@ class TrueSkin:
             sum 1: the nearest points are the vertices' weighted means.
         """
         found = self._scene.compute_closest_points(_tensor(p_MQ))
-        uvs = found["primitive_uvs"].numpy().astype(np.float64)
-        corners = self._mesh[1][found["primitive_ids"].numpy()]
-        return corners, np.column_stack([1.0 - uvs.sum(axis=1), uvs])
+        return self._corners(
+            found["primitive_ids"].numpy(), found["primitive_uvs"].numpy()
+        )
 
     def under(self, p_N: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Finds the skin under true canonical points (n, 2), seen along the normal.

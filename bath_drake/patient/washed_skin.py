@@ -67,8 +67,7 @@ def washed_skin(
         )
         one = slice(k, k + 1)
         distance[one], _, normals[one] = now.nearest(tips_M[one])
-        hit, met[one] = now.hit(tips_M[one], jets_M[one])
-        corners, weights = now.bind(hit)
+        corners, weights, met[one] = now.struck(tips_M[one], jets_M[one])
         resting[k] = weights[0] @ person.vertices[corners[0]]
     _, _, there = skin.nearest(resting[met])
     return WashedSkin(distance, normals, met, resting[met], there)

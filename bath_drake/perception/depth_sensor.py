@@ -159,7 +159,7 @@ KINECT_V2 = DepthSensor()
 # Kinect v2's up to 2.5 m and less beyond, so that one's formula is on the safe side.
 AZURE_KINECT = DepthSensor(far=3.86)
 # Error: z^2 d / (f B), with d below 0.1 pixels on textured targets and B = 50 mm, from
-# the maker's papers on tuning. Range: what the maker calls ideal. Grain and jitter are
+# the maker's papers on tuning. The range is ours. Grain and jitter are
 # our own: a matching window is 9 pixels wide, its middle counts most.
 REALSENSE_D435 = DepthSensor(
     near=0.3,

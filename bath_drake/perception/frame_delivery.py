@@ -121,3 +121,28 @@ def next_delivery(
             if due > now + rounding and (newest is None or f.stamp > newest.stamp)
         ),
     )
+
+
+def dropped_frames(
+    config: FaultsConfig, *, seed: int, period: float, count: int
+) -> int:
+    """Returns how many of a run's frames never came, or after a newer one.
+
+    Args:
+        config: The faults.
+        seed: Of the run.
+        period: Of the camera, s.
+        count: Of the frames taken; those still on their way at the end are not dropped.
+    """
+    if not config.any:
+        return 0
+    nothing = np.zeros(0)
+    delivery, come = Delivery(), set()
+    for k in range(count):
+        t = k * period
+        frame = Frame(t, nothing.astype(np.uint8), nothing.astype(np.float32), nothing)
+        fate = frame_fate(config, seed=seed, index=k, t=t)
+        delivery = next_delivery(delivery, k, frame, fate)
+        if delivery.newest is not None:
+            come.add(delivery.newest.stamp)
+    return count - len(come) - len(delivery.pending)

@@ -10,6 +10,7 @@ from bath_drake.perception.frame_delivery import (
     Delivery,
     Frame,
     FrameFate,
+    dropped_frames,
     frame_fate,
     next_delivery,
 )
@@ -119,3 +120,31 @@ def test_chance_strikes_as_often_as_said_and_the_same_again():
 def test_a_copy_of_the_state_copies_no_images():
     delivery = next_delivery(Delivery(), 0, frame(0), FrameFate())
     assert copy.deepcopy(delivery).newest is delivery.newest
+
+
+def test_every_frame_of_a_gap_is_dropped_and_no_other():
+    gap = FaultsConfig(loss=FrameFault(begin=0.95, end=1.55))
+    # Those taken at 1.0 to 1.5 s.
+    assert dropped_frames(gap, seed=3, period=PERIOD, count=40) == 6
+    assert dropped_frames(FaultsConfig(), seed=3, period=PERIOD, count=40) == 0
+
+
+def test_a_late_frame_is_dropped_only_if_a_newer_one_overtook_it():
+    late = FaultsConfig(late=LateFault(begin=0.95, end=1.05, delay=0.25))
+    assert dropped_frames(late, seed=3, period=PERIOD, count=40) == 1
+    # All late by as much, none overtakes another; the last are still on their way.
+    slow = FaultsConfig(late=LateFault(delay=0.25))
+    assert dropped_frames(slow, seed=3, period=PERIOD, count=40) == 0
+
+
+@given(seed=st.integers(0, 1000), probability=st.floats(0.0, 1.0))
+def test_no_more_frames_are_dropped_than_lost_or_late(seed, probability):
+    faults = FaultsConfig(
+        loss=FrameFault(probability=probability),
+        late=LateFault(probability=probability, delay=0.15),
+    )
+    fates = [frame_fate(faults, seed=seed, index=k, t=PERIOD * k) for k in range(30)]
+    lost = sum(fate.lost for fate in fates)
+    late = sum(fate.delay > 0.0 and not fate.lost for fate in fates)
+    dropped = dropped_frames(faults, seed=seed, period=PERIOD, count=30)
+    assert lost <= dropped <= lost + late

@@ -15,7 +15,11 @@ from bath_drake.benchmarks.perception.filmed import (
     filmed,
     people,
 )
+from bath_drake.benchmarks.timing import best_seconds
 from bath_drake.notation import FloatArray, IntArray
+from bath_drake.patient.motion import Bend
+from bath_drake.patient.people import load_person
+from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
 from bath_drake.perception.map_filter import MapFilter
@@ -33,6 +37,9 @@ PATH_POINTS, PATH_MS = 200, 10.0
 MOTIONS = {"still": STILL, "moving": MOVING, "bending": BENDING}
 # s between frames, and how many: every motion gets to its crests, or near.
 FRAMES = {"still": (1.0 / 30.0, 45), "moving": (0.1, 120), "bending": (0.1, 150)}
+# A trunk bent in every way, to be timed.
+BENT = Bend(flexion=0.1, side_bend=0.05, twist=0.1, swell=0.006)
+
 # The canonical region the arm reaches, and the grid of places in it.
 REACH = (0.75, 0.6)
 GRID = 7
@@ -197,7 +204,11 @@ def _figures(measured: dict[tuple[str, str], Measured]) -> list[Figure]:
         )
         target = STILL_RMS if motion == "still" else MOVING_RMS
         figures.append(Figure(f"canonical_rms_{motion}", worst, "", target))
+    bent = bending_skin(load_person(people()[0]))
     figures += [
+        Figure(
+            "bent_skin_time", 1e3 * best_seconds(lambda: bent.points(BENT), 50), "ms"
+        ),
         Figure("normal_median", float(np.median(normals)), "degrees", NORMAL_MEDIAN),
         Figure("normal_95", float(np.quantile(normals, 0.95)), "degrees", NORMAL_MOST),
         Figure(

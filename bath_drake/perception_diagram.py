@@ -1,0 +1,71 @@
+"""Wires what is made of a camera's images: the back, its map, restricted areas."""
+
+from typing import Any
+
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import DiagramBuilder
+
+from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.self_filter import RobotGeometry
+from bath_drake.scenario import Scenario, segmentation
+from bath_drake.systems.body_segmenter import BodySegmenter
+from bath_drake.systems.canonical_projector import CanonicalProjector
+from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
+from bath_drake.wiring import add_all, connect
+
+
+def add_perception(
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    *,
+    camera: PinholeCamera,
+    X_WC: RigidTransform,
+    robot: RobotGeometry | None,
+    period: float,
+) -> dict[str, Any]:
+    """Adds the systems and joins them; the segmenter's inputs are left open.
+
+    Args:
+        builder: Gets them.
+        scenario: Its workspace box and margin.
+        camera: Whose images come.
+        X_WC: Where it stands.
+        robot: What may hide the back; None where there is no robot.
+        period: Between looks, s.
+
+    Returns:
+        The systems by name.
+    """
+    systems = add_all(
+        builder,
+        {
+            "body_segmenter": BodySegmenter(
+                camera=camera,
+                X_WC=X_WC,
+                robot=robot,
+                config=segmentation(scenario),
+                period=period,
+            ),
+            "canonical_projector": CanonicalProjector(period=period),
+            "restricted_area_detector": RestrictedAreaDetector(
+                margin=scenario.perception.area_margin, period=period
+            ),
+        },
+    )
+    projector = systems["canonical_projector"]
+    detector = systems["restricted_area_detector"]
+    connect(
+        builder, systems["body_segmenter"], "body_observation", [projector, detector]
+    )
+    connect(builder, projector, "canonical_map", [detector])
+    return systems
+
+
+def export_perception(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
+    """Exports what perception makes, under the ports' own names."""
+    for system, port in (
+        ("body_segmenter", "body_observation"),
+        ("canonical_projector", "canonical_map"),
+        ("restricted_area_detector", "sensed_obstacles"),
+    ):
+        builder.ExportOutput(systems[system].GetOutputPort(port), port)
