@@ -4,22 +4,25 @@ Meshcat's recordings move bodies but keep no vertices that move.
 """
 
 import numpy as np
-from pydrake.geometry import Meshcat
+from pydrake.common import MemoryFile
+from pydrake.geometry import InMemoryMesh, Mesh, Meshcat, Rgba
 from pydrake.math import RigidTransform
 from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import FloatArray
+from bath_drake.patient.gltf import Part, gltf_text
 from bath_drake.patient.motion import trunk_bend
+from bath_drake.patient.normals import vertex_normals
 from bath_drake.patient.people import LABEL_BACK, load_person
 from bath_drake.patient.rig import bending_skin
-from bath_drake.patient.skin_parts import skin_parts
+from bath_drake.patient.skin_parts import SkinPart, skin_parts
 from bath_drake.scenario import Scenario
 from bath_drake.scene.studio import true_person_pose, true_wound
 from bath_drake.systems._poses import at, rotation_from
-from bath_drake.systems.skin_view import ROOT, show_part
+from bath_drake.systems.skin_view import ROOT
 
-# A frame takes some 0.2 MB of the page.
-_MOST_FRAMES = 50
+# A frame takes some 0.6 MB of the page.
+_MOST_FRAMES = 30
 _SHORTEST_S = 0.2
 
 
@@ -44,11 +47,11 @@ def record_skin(meshcat: Meshcat, scenario: Scenario, end: float) -> None:
     animation = meshcat.get_mutable_recording()
     for k, t in enumerate(times):
         X_WM, bend = true_person_pose(scenario.scene, person, t), trunk_bend(t, motion)
-        R_WM, p_WM = X_WM.rotation().matrix(), X_WM.translation()
         for part in parts:
-            points_W = part.shell.points(bend) @ R_WM.T + p_WM
             path = f"{ROOT}/frame_{k}/{part.name}"
-            show_part(meshcat, path, points_W, part.triangles, part.rgba)
+            mesh = smooth_mesh(part, part.shell.points(bend), path)
+            meshcat.SetObject(path, mesh, Rgba(*part.rgba))
+            meshcat.SetTransform(path, X_WM)
         path = f"{ROOT}/frame_{k}"
         seen = [(0.0, k == 0), (float(t), True)]
         if k + 1 < count:
@@ -56,6 +59,20 @@ def record_skin(meshcat: Meshcat, scenario: Scenario, end: float) -> None:
         for when, visible in seen:
             animation.SetProperty(animation.frame(when), path, "visible", visible)
         meshcat.SetProperty(path, "visible", k + 1 == count)
+
+
+def smooth_mesh(part: SkinPart, shell_M: FloatArray, name: str) -> Mesh:
+    """Returns a part with normals, for without them Meshcat shows every facet.
+
+    Args:
+        part: Of the skin.
+        shell_M: (2 n, 3) m, where its shell is.
+        name: For error messages.
+    """
+    outside = shell_M[: len(shell_M) // 2]
+    drawn = Part(outside, part.triangles, part.rgba)
+    text = gltf_text(drawn, vertex_normals(outside, part.triangles, True))
+    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".gltf", name)), 1.0)
 
 
 class BackPose:

@@ -8,8 +8,6 @@ rendering time. The border to back, hair and trunks stays exactly as it is.
 """
 
 import argparse
-import base64
-import json
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +15,8 @@ import open3d as o3d
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-# glTF has y up, the meshes z up.
-_Z_UP_FROM_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]])
+from bath_drake.patient.gltf import Part, gltf_text, read_part
+
 # Triangles this near to the border are kept as they are; the decimated rest
 # begins under them, so that no gap can open between the two.
 _KEPT_BAND_M = 0.03
@@ -31,101 +29,6 @@ _OTHER_PARTS = ("back", "hair", "trunks")
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-def read_gltf(path: Path) -> tuple[Floats, Ints, list[float]]:
-    """Returns vertices (n, 3) m with z up, triangles (m, 3), colour RGBA."""
-    gltf = json.loads(path.read_text())
-    buffers = []
-    for buffer in gltf["buffers"]:
-        buffers.append(base64.b64decode(buffer["uri"].split(",", 1)[1]))
-
-    def read(index: int, dtype: str, width: int) -> NDArray[np.generic]:
-        accessor = gltf["accessors"][index]
-        view = gltf["bufferViews"][accessor["bufferView"]]
-        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        raw = np.frombuffer(
-            buffers[view["buffer"]], dtype, accessor["count"] * width, start
-        )
-        return raw.reshape(-1, width)
-
-    primitive = gltf["meshes"][0]["primitives"][0]
-    vertices = read(primitive["attributes"]["POSITION"], "<f4", 3).astype(float)
-    triangles = read(primitive["indices"], "<u4", 1).reshape(-1, 3).astype(np.int64)
-    material = gltf["materials"][0]["pbrMetallicRoughness"]
-    return vertices @ _Z_UP_FROM_Y_UP.T, triangles, material["baseColorFactor"]
-
-
-def write_gltf(
-    path: Path, vertices: Floats, normals: Floats, triangles: Ints, rgba: list[float]
-) -> None:
-    """Writes one flat-material mesh, everything inside the one file."""
-    arrays = [
-        triangles.astype("<u4").ravel(),
-        (vertices @ _Z_UP_FROM_Y_UP).astype("<f4"),
-        (normals @ _Z_UP_FROM_Y_UP).astype("<f4"),
-    ]
-    views, offset = [], 0
-    for array in arrays:
-        views.append({"buffer": 0, "byteOffset": offset, "byteLength": array.nbytes})
-        offset += array.nbytes
-    data = base64.b64encode(b"".join(array.tobytes() for array in arrays)).decode()
-    gltf = {
-        "asset": {"version": "2.0", "generator": "bath_drake tools/convert_people.py"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [
-            {
-                "primitives": [
-                    {
-                        "attributes": {"POSITION": 1, "NORMAL": 2},
-                        "indices": 0,
-                        "material": 0,
-                    }
-                ]
-            }
-        ],
-        "materials": [
-            {
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": rgba,
-                    "metallicFactor": 0.0,
-                    "roughnessFactor": 0.85,
-                }
-            }
-        ],
-        "accessors": [
-            {
-                "bufferView": 0,
-                "componentType": 5125,
-                "type": "SCALAR",
-                "count": int(triangles.size),
-            },
-            {
-                "bufferView": 1,
-                "componentType": 5126,
-                "type": "VEC3",
-                "count": len(vertices),
-                "min": arrays[1].min(axis=0).tolist(),
-                "max": arrays[1].max(axis=0).tolist(),
-            },
-            {
-                "bufferView": 2,
-                "componentType": 5126,
-                "type": "VEC3",
-                "count": len(vertices),
-            },
-        ],
-        "bufferViews": views,
-        "buffers": [
-            {
-                "byteLength": offset,
-                "uri": f"data:application/octet-stream;base64,{data}",
-            }
-        ],
-    }
-    path.write_text(json.dumps(gltf, separators=(",", ":")) + "\n")
 
 
 def _without_small_components(
@@ -154,12 +57,13 @@ def border_vertices(vertices: Floats, triangles: Ints) -> Floats:
 
 def decimate(folder: Path, target: int) -> None:
     """Writes folder/body_low.gltf and prints what became of the border."""
-    vertices, triangles, rgba = read_gltf(folder / "body.gltf")
+    part = read_part(folder / "body.gltf")
+    vertices, triangles = part.vertices, part.triangles
     mesh = o3d.geometry.TriangleMesh(
         o3d.utility.Vector3dVector(vertices), o3d.utility.Vector3iVector(triangles)
     )
     mesh.merge_close_vertices(1e-6)
-    others = [read_gltf(folder / f"{part}.gltf")[0] for part in _OTHER_PARTS]
+    others = [read_part(folder / f"{name}.gltf").vertices for name in _OTHER_PARTS]
     _without_small_components(mesh, np.vstack(others))
     mesh.compute_vertex_normals()
     v, f = np.asarray(mesh.vertices), np.asarray(mesh.triangles).astype(np.int64)
@@ -177,7 +81,8 @@ def decimate(folder: Path, target: int) -> None:
         [np.asarray(mesh.vertex_normals)[used], np.asarray(low.vertex_normals)]
     )
     f_low = np.vstack([kept.reshape(-1, 3), np.asarray(low.triangles) + len(used)])
-    write_gltf(folder / "body_low.gltf", v_low, normals, f_low, rgba)
+    low_part = Part(v_low, f_low, part.rgba)
+    (folder / "body_low.gltf").write_text(gltf_text(low_part, normals) + "\n")
     border = border_vertices(v, f)
     gap = cKDTree(v_low).query(border)[0].max()
     print(

@@ -1,4 +1,4 @@
-"""One part of a person out of its glTF file: a single mesh of a single colour."""
+"""One part of a person as a glTF file: a single mesh of a single colour."""
 
 import base64
 import json
@@ -79,3 +79,69 @@ def _array(gltf: dict[str, Any], index: int) -> np.ndarray[Any, Any]:
     kind = _TYPES[accessor["componentType"]]
     flat = np.frombuffer(data, kind, accessor["count"] * width, start)
     return flat.reshape(-1, width) if width > 1 else flat
+
+
+def gltf_text(part: Part, normals: FloatArray) -> str:
+    """Returns a part as a glTF file, everything inside the one file.
+
+    Args:
+        part: What to write.
+        normals: (n, 3) unit, in M, of its vertices.
+    """
+    arrays = [
+        part.triangles.astype("<u4").ravel(),
+        _y_up(part.vertices).astype("<f4"),
+        _y_up(normals).astype("<f4"),
+    ]
+    views, offset = [], 0
+    for array in arrays:
+        views.append({"buffer": 0, "byteOffset": offset, "byteLength": array.nbytes})
+        offset += array.nbytes
+    data = base64.b64encode(b"".join(array.tobytes() for array in arrays)).decode()
+    count = len(part.vertices)
+    box = {"min": arrays[1].min(axis=0).tolist(), "max": arrays[1].max(axis=0).tolist()}
+    primitive = {
+        "attributes": {"POSITION": 1, "NORMAL": 2},
+        "indices": 0,
+        "material": 0,
+    }
+    gltf = {
+        "asset": {"version": "2.0", "generator": "bath_drake"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "materials": [
+            {
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": np.asarray(part.rgba).tolist(),
+                    "metallicFactor": 0.0,
+                    "roughnessFactor": 0.85,
+                }
+            }
+        ],
+        "accessors": [
+            {
+                "bufferView": 0,
+                "componentType": 5125,
+                "type": "SCALAR",
+                "count": int(part.triangles.size),
+            },
+            {"bufferView": 1, "componentType": 5126, "type": "VEC3", "count": count}
+            | box,
+            {"bufferView": 2, "componentType": 5126, "type": "VEC3", "count": count},
+        ],
+        "bufferViews": views,
+        "buffers": [
+            {
+                "byteLength": offset,
+                "uri": f"data:application/octet-stream;base64,{data}",
+            }
+        ],
+    }
+    return json.dumps(gltf, separators=(",", ":"))
+
+
+def _y_up(vectors: FloatArray) -> FloatArray:
+    x, y, z = np.asarray(vectors).T
+    return np.column_stack([x, z, -y])

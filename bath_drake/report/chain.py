@@ -17,6 +17,7 @@ class ChainFigures:
     """One measured figure, as text, for each block of the loop."""
 
     camera: str
+    camera_kind: str
     segmenter: str
     projector: str
     controller: str
@@ -34,7 +35,7 @@ def draw_chain(figures: ChainFigures) -> str:
     column = [10 + k * (_BOX_WIDTH + _GAP) for k in range(_COLUMNS)]
     middle = _MIDDLE + _BOX_HEIGHT / 2
     blocks = [
-        (0, _MIDDLE, "Depth camera", "Kinect-v2-like", figures.camera),
+        (0, _MIDDLE, "Depth camera", figures.camera_kind, figures.camera),
         (1, _MIDDLE, "Segmenter", "finds the back", figures.segmenter),
         (2, _MIDDLE, "Projector", "canonical space", figures.projector),
         (3, _MIDDLE, "Controller", "navigation function", figures.controller),

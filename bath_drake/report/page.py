@@ -30,6 +30,7 @@ from bath_drake.report.tables import (
     provenance,
 )
 from bath_drake.safety.outcome import LoopOutcome
+from bath_drake.scene.config import CameraConfig
 
 REPORT_NAME = "report.html"
 _KEYFRAMES = 3
@@ -44,6 +45,9 @@ _OUTCOMES = {
 
 # As long as no motion model bends a person, whatever rig its folder holds.
 _RIGID = "The person is rigid in this run: it breathes, twists and leans as one body."
+_BENDS = (
+    "The person's skin bends in this run, but it does not give way: nothing touches it."
+)
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,7 @@ def render_report(run: RunData) -> str:
         passed=run.metrics["verdict"] == "pass",
         person=run.scenario.scene.person,
         summary=_summary(run),
-        rigidity=_RIGID,
+        rigidity=_BENDS if run.scenario.scene.motion.bends else _RIGID,
         chain=draw_chain(_chain_figures(run)),
         headline=_headline(run),
         checks=check_rows(run.metrics["checks"]),
@@ -301,6 +305,7 @@ def _chain_figures(run: RunData) -> ChainFigures:
         beta = f"β ≥ {number(m.get('min_beta'))}, {periodic['cycles']:.0f} cycles"
     return ChainFigures(
         camera=f"{int(log.frames)} frames",
+        camera_kind=_camera_kind(run.scenario.scene.camera),
         segmenter=f"{100 * reach[0]:.0f} % of it visible",
         projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm",
         controller=beta,
@@ -312,6 +317,13 @@ def _chain_figures(run: RunData) -> ChainFigures:
         arm=f"{number(m.get('surface_error_mm', {}).get('mean'))} mm off",
         tracker=f"{number(_lag(run))} mm behind",
     )
+
+
+def _camera_kind(camera: CameraConfig) -> str:
+    """The noise it has, in a few words."""
+    if camera.noise == "none" and camera.colour_noise is None:
+        return "without noise"
+    return "colour noise" if camera.noise == "none" else f"{camera.noise} noise"
 
 
 def _lag(run: RunData) -> float:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bath_drake.errors import ScenarioError
-from bath_drake.patient.gltf import read_part
+from bath_drake.patient.gltf import gltf_text, read_part
+from bath_drake.patient.normals import vertex_normals
 from bath_drake.patient.people import PARTS, load_person
 from bath_drake.patient.shell import (
     THICKNESS_M,
@@ -70,3 +71,15 @@ def test_a_damaged_part_is_refused_by_name(tmp_path, old, new, message):
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(ScenarioError, match=message):
         read_part(path)
+
+
+def test_a_part_that_is_written_is_read_again(tmp_path):
+    part = read_part(load_person("f_avg").part_path("back"))
+    normals = vertex_normals(part.vertices, part.triangles, True)
+    path = tmp_path / "back.gltf"
+    path.write_text(gltf_text(part, normals))
+    again = read_part(path)
+    # What was read is in single precision already.
+    np.testing.assert_array_equal(again.vertices, part.vertices)
+    np.testing.assert_array_equal(again.triangles, part.triangles)
+    np.testing.assert_array_equal(again.rgba, part.rgba)

@@ -9,7 +9,8 @@ import pytest
 
 from bath_drake.cli import main
 from bath_drake.errors import RunFolderError
-from bath_drake.report.page import write_report
+from bath_drake.report.page import render_report, write_report
+from bath_drake.report.run_data import load_run
 from bath_drake.simulation_log import SimulationLog
 
 
@@ -86,6 +87,17 @@ def test_the_page_states_verdict_limits_of_use_and_rigidity(run_folder, page):
     assert verdict.upper() in text
     assert "not certified, not for use on people" in text
     assert "The person is rigid in this run" in text
+    assert "without noise" in text
+
+
+def test_the_page_of_a_bending_person_before_a_noisy_camera_says_so(run_folder):
+    run = load_run(run_folder)
+    run.scenario.scene.motion.flexion_amplitude = 0.05
+    run.scenario.scene.camera.noise = "kinect_v2"
+    text = render_report(run)
+    assert "skin bends in this run" in text
+    assert "The person is rigid" not in text
+    assert "kinect_v2 noise" in text
 
 
 def test_the_page_says_what_is_proved_and_what_a_proof_does_not_cover(page):
