@@ -14,15 +14,15 @@ from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.quadric import (
     by_cell,
     cross,
-    determined,
     fit_all,
-    fit_quadric,
+    fit_around,
     gather,
     no_fit,
+    quality,
 )
 
-# A wider neighbourhood is tried where the first is thin or one-sided; beyond the
-# largest radius (metres) the skin is no quadric any more.
+# A wider neighbourhood is tried where the first is thin, one-sided or a poor fit;
+# beyond the largest radius (metres) the skin is no quadric any more.
 WIDENING = (1.0, 1.4, 2.0)
 MAX_RADIUS = 0.06
 
@@ -38,8 +38,11 @@ class SurfacePatch:
         count: Points the fit rests on.
         rms: Residual of the fit, metres.
         radius: Radius of the fitted neighbourhood, metres.
-        valid: False if the points did not determine a patch; then `p_WS` and
-            `normal_W` are those of the back's plane and must not be washed at.
+        valid: False if the points did not determine a patch that can be trusted; then
+            `p_WS` and `normal_W` are those of the back's plane and must not be washed
+            at.
+        normal_deviation: How far off `normal_W` is predicted to be, rms, rad, from the
+            points' noise and places; infinite where the patch is not valid.
     """
 
     p_WS: FloatArray
@@ -49,6 +52,12 @@ class SurfacePatch:
     rms: float
     radius: float
     valid: bool
+    normal_deviation: float = float("inf")
+
+    @property
+    def quality(self) -> float:
+        """How probably the normal is within 3 degrees of the true one; in [0, 1]."""
+        return float(quality(self.normal_deviation))
 
 
 def fit_surface(
@@ -67,7 +76,8 @@ def fit_surface(
             `MAX_RADIUS` if those are too few or lie on one side.
 
     Returns:
-        The patch; `valid` is False if even the widest neighbourhood is too thin.
+        The patch; `valid` is False if even the widest neighbourhood is too thin, or
+        its `quality` too low.
 
     Raises:
         ValueError: If the radius is not positive or the point not finite.
@@ -80,13 +90,12 @@ def fit_surface(
     p_WQ = canonical_map.world_from_canonical(p_NQ)
     R_WP = np.ascontiguousarray(canonical_map.R_WP)
     points_W = np.ascontiguousarray(points_W, dtype=np.float64)
-    near = np.empty((0, 3))
     for factor in WIDENING:
         radius_now = min(factor * radius, MAX_RADIUS)
-        near = gather(points_W, R_WP, p_WQ, radius_now)
-        if determined(near):
-            return _patch(canonical_map, p_WQ, fit_quadric(near, radius_now))
-    return _patch(canonical_map, p_WQ, no_fit(len(near), radius_now))
+        fit = fit_around(gather(points_W, R_WP, p_WQ, radius_now), radius_now)
+        if fit[11] > 0.5:
+            break
+    return _patch(canonical_map, p_WQ, fit)
 
 
 def fit_path(
@@ -139,6 +148,7 @@ def _patch(
         rms=float(fit[9]),
         radius=float(fit[10]),
         valid=bool(fit[11] > 0.5),
+        normal_deviation=float(fit[12]),
     )
 
 

@@ -89,6 +89,53 @@ def test_a_hole_is_bridged_by_a_wider_radius(body, rng):
     np.testing.assert_allclose(patch.p_WS, body.p_WP, atol=5e-5)
 
 
+def test_quality_is_how_often_the_normal_is_within_three_degrees(body, rng):
+    # Waves of skin that no quadric follows, 60 mm long and half a millimetre high,
+    # and noise: the crests' curvature changes by some 5 per metre within a radius.
+    def wavy(x, y):
+        return _ball(0.4)(x, y) + 5e-4 * np.sin(2 * np.pi * (x + 0.5 * y) / 0.06)
+
+    good, predicted = [], []
+    for _ in range(20):
+        points = _points(body, wavy, rng, count=3000, noise=4e-3)
+        p_NQ = rng.uniform(-0.8, 0.8, (20, 2))
+        for p_N, patch in zip(p_NQ, fit_path(points, body, p_NQ), strict=True):
+            if not patch.valid:
+                continue
+            x, y = p_N * body.half_extents
+            step = 1e-6
+            slopes = [
+                (wavy(x + step, y) - wavy(x - step, y)) / (2 * step),
+                (wavy(x, y + step) - wavy(x, y - step)) / (2 * step),
+            ]
+            normal = body.R_WP @ np.array([-slopes[0], -slopes[1], 1.0])
+            cosine = patch.normal_W @ normal / np.linalg.norm(normal)
+            good.append(np.arccos(min(cosine, 1.0)) < np.deg2rad(3.0))
+            predicted.append(patch.quality)
+    # Some 400 fits: the share's own standard error is 0.025; the rest is the model.
+    assert 0.4 < np.mean(predicted) < 0.95
+    assert np.mean(good) == pytest.approx(np.mean(predicted), abs=0.12)
+
+
+def test_quality_falls_with_noise_and_towards_an_edge(body, rng):
+    def mean_quality(noise, p_N):
+        clouds = [_points(body, _ball(0.4), rng, 8000, noise) for _ in range(8)]
+        return np.mean([fit_surface(c, body, np.array(p_N)).quality for c in clouds])
+
+    middle = [mean_quality(noise, (0.0, 0.0)) for noise in (1e-4, 4e-3, 2e-2)]
+    assert middle[0] > 0.99  # a tenth of a millimetre is nothing
+    assert middle[0] > middle[1] > middle[2]
+    assert mean_quality(4e-3, (0.9, 0.0)) < middle[1]
+
+
+def test_a_patch_that_cannot_be_trusted_is_none(body, rng):
+    points = _points(body, _ball(0.4), rng, count=2500, noise=2e-2)
+    patch = fit_surface(points, body, np.zeros(2), radius=0.02)
+    assert not patch.valid
+    assert patch.quality == 0.0
+    np.testing.assert_array_equal(patch.normal_W, body.normal_W)
+
+
 def test_too_few_points_are_no_patch(body, rng):
     patch = fit_surface(_points(body, _ball(0.4), rng, count=200), body, np.zeros(2))
     assert not patch.valid
@@ -141,6 +188,7 @@ def test_a_path_is_fitted_as_its_points_are_one_by_one(body, rng):
         np.testing.assert_allclose(patch.normal_W, single.normal_W, atol=1e-8)
         np.testing.assert_allclose(patch.curvatures, single.curvatures, atol=1e-6)
         np.testing.assert_allclose(patch.rms, single.rms, atol=1e-9)
+        assert patch.quality == pytest.approx(single.quality, abs=1e-6)
     assert 10 < valid < 60
 
 
