@@ -175,7 +175,7 @@ def fit_quadric(near: FloatArray, radius: float) -> FloatArray:
     # With the columns of the inverse that belong to the two slopes, in one go.
     wanted = np.zeros((6, 3))
     wanted[:, 0], wanted[3, 1], wanted[4, 2] = sums, 1.0, 1.0
-    solved = np.linalg.solve(moments, wanted)
+    solved: FloatArray = np.asarray(np.linalg.solve(moments, wanted))
     k = solved[:, 0].copy()
     # Of a least-squares fit |b - A k|^2 = |b|^2 - k . A' b, up to rounding.
     residual = max(squares - np.dot(k, sums), 0.0) / len(near)
