@@ -21,6 +21,7 @@ from bath_drake.systems.nozzle_kinematics import NozzleKinematics
 from bath_drake.systems.periodic_motion import PeriodicMotion
 from bath_drake.systems.stage_sequencer import StageSequencer
 from bath_drake.systems.surface_reference import SurfaceReference
+from bath_drake.systems.surface_velocity import SurfaceVelocity
 from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
 from bath_drake.systems.world_reconciler import WorldReconciler
 from bath_drake.wiring import add_all, connect
@@ -53,6 +54,9 @@ def add_control(
             "approach_sequencer": ApproachSequencer(limits=approach_limits(scenario)),
             "surface_reference": SurfaceReference(
                 radius=scenario.perception.patch_radius
+            ),
+            "surface_velocity": SurfaceVelocity(
+                period=camera_period, radius=scenario.perception.patch_radius
             ),
             "differential_ik": DifferentialIk(
                 plant=arm,
@@ -96,6 +100,7 @@ def add_control(
         (reference, "canonical_reference", [stages, world, proof]),
         (approach, "phase", [reference, monitor]),
         (approach, "standoff", [surface, tracker]),
+        (systems["surface_velocity"], "surface_velocity", [surface]),
         (surface, "desired_nozzle_pose", [ik, approach]),
         (surface, "surface_patch", [monitor]),
         (surface, "surface_status", [supervisor]),
@@ -132,7 +137,12 @@ def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
         connect(builder, stages, "final_stage", [monitor])
         connect(builder, controller, "canonical_velocity", [reference])
         connect(builder, tracker, "canonical_position", [reference, monitor])
-        connect(builder, reference, "canonical_reference", [surface])
+        connect(
+            builder,
+            reference,
+            "canonical_reference",
+            [surface, systems["surface_velocity"]],
+        )
         return
     # The discrete motion is followed as if there were no cycles on it.
     motion, world = systems["periodic_motion"], systems["world_reconciler"]
@@ -146,6 +156,12 @@ def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
     for source, port, sink, name in (
         (world, "restricted_areas", motion, "sensed_obstacles"),
         (motion, "canonical_target", surface, "canonical_reference"),
+        (
+            motion,
+            "canonical_target",
+            systems["surface_velocity"],
+            "canonical_reference",
+        ),
         (motion, "discrete_velocity", reference, "canonical_velocity"),
         (motion, "discrete_position", reference, "canonical_position"),
         (motion, "faded", monitor, "final_stage"),

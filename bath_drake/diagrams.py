@@ -210,7 +210,7 @@ def _close_loop(
         builder,
         perception["body_segmenter"],
         "body_observation",
-        [surface, control["hold_supervisor"]],
+        [surface, control["surface_velocity"], control["hold_supervisor"]],
     )
     connect(
         builder,
@@ -220,6 +220,7 @@ def _close_loop(
             control[name]
             for name in (
                 "surface_reference",
+                "surface_velocity",
                 "navigation_controller",
                 "canonical_tracker",
                 "periodic_motion",

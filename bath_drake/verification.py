@@ -24,7 +24,7 @@ from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
-from bath_drake.patient.washed_skin import washed_skin
+from bath_drake.patient.washed_skin import tracking_lag, washed_skin
 from bath_drake.patient.wound import signed_polygon_distance, wound_patch
 from bath_drake.perception.frame_delivery import dropped_frames
 from bath_drake.rhythm.washed import washed_cycles
@@ -96,9 +96,9 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     person = load_person(scenario.scene.person)
     skin = TrueSkin(person)
     washing = np.flatnonzero(log.phase == Phase.WASH)
-    nozzle, jet = _nozzle_in_mesh(log, washing)
     time = log.time[washing]
-    washed = washed_skin(skin, scenario.scene.motion, time, nozzle, jet)
+    nozzle, jet, before = _nozzle_in_mesh(log, washing)
+    washed = washed_skin(skin, scenario.scene.motion, time, nozzle, jet, before)
     distance, met, hits = washed.distance, washed.met, washed.resting
     cosine = np.clip(-(jet * washed.normals).sum(axis=1), -1.0, 1.0)
     executed = skin.canonical_map.canonical_from_world(hits)
@@ -125,6 +125,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "time_to_goal_s": float(log.time[-1]),
         "washing_time_s": float(np.ptp(time)) if len(time) else 0.0,
         "surface_error_mm": _mean_max(np.abs(surface_error)),
+        "surface_lag_s": tracking_lag(surface_error / 1e3, washed.receded, time),
         "normal_error_deg": _mean_max(normal_error),
         "standoff_or_force": _mean_max(distance),
         "speed_m_per_s": _mean_max(speed),
@@ -181,15 +182,19 @@ def versions() -> dict[str, str]:
 
 def _nozzle_in_mesh(
     log: SimulationLog, samples: IntArray
-) -> tuple[FloatArray, FloatArray]:
-    """Nozzle tips and jet directions (n, 3) in frame M at the given samples."""
-    tips, jets = np.zeros((len(samples), 3)), np.zeros((len(samples), 3))
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Nozzle tips and jet directions (n, 3) in frame M at the given samples.
+
+    And where the tips of the sample before are then, for M has moved since.
+    """
+    tips, jets, before = (np.zeros((len(samples), 3)) for _ in range(3))
     for row, k in enumerate(samples):
-        X_ME = pose_from_row(log.body_pose[k]).InvertAndCompose(
-            pose_from_row(log.nozzle_pose[k])
-        )
+        X_MW = pose_from_row(log.body_pose[k]).inverse()
+        X_ME = X_MW.multiply(pose_from_row(log.nozzle_pose[k]))
         tips[row], jets[row] = X_ME.translation(), X_ME.rotation().col(2)
-    return tips, jets
+        p_WE = drake_vector(log.nozzle_pose[samples[max(row - 1, 0)], 4:])
+        before[row] = X_MW.multiply(p_WE)
+    return tips, jets, before
 
 
 def _frechet(

@@ -26,6 +26,7 @@ from bath_drake.report.tables import (
     frechet_rows,
     frechet_text,
     hold_rows,
+    milliseconds,
     number,
     provenance,
 )
@@ -283,6 +284,7 @@ def _headline(run: RunData) -> list[tuple[str, str]]:
     return [
         ("off the stand-off distance, mean", f"{number(surface.get('mean'))} mm"),
         ("axis against the true normal, mean", f"{number(normal.get('mean'))}°"),
+        ("late behind moving skin", milliseconds(m.get("surface_lag_s")) or "–"),
         ("Fréchet, learned", number(m["frechet"].get("learned"))),
         ("Fréchet, executed", number(m["frechet"].get("executed"))),
         ("real-time factor", number(m.get("real_time_factor"))),

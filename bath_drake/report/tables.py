@@ -61,8 +61,8 @@ def certificate_rows(run: RunData) -> list[tuple[str, str]]:
         ("fields followed", _stages(run)),
         ("sensed areas", told.get("sensed_areas")),
         ("proofs during the run", told.get("proofs")),
-        ("a proof took, mean", _milliseconds(seconds.get("mean"))),
-        ("a proof took, at most", _milliseconds(seconds.get("max"))),
+        ("a proof took, mean", milliseconds(seconds.get("mean"))),
+        ("a proof took, at most", milliseconds(seconds.get("max"))),
         ("samples in which it moved unproved", told.get("samples_moved_unproved")),
     ]
     return [(name, number(value)) for name, value in rows]
@@ -73,7 +73,8 @@ def _stages(run: RunData) -> str | None:
     return None if told is None else f"{told['reached']} of {told['count']}"
 
 
-def _milliseconds(seconds: float | None) -> str | None:
+def milliseconds(seconds: float | None) -> str | None:
+    """A time in ms, with its unit; None for none."""
     return None if seconds is None else f"{number(1e3 * seconds)} ms"
 
 

@@ -5,7 +5,12 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    LeafSystem,
+    ValueProducer,
+)
 
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.segmentation import BodyObservation
@@ -15,8 +20,12 @@ from bath_drake.perception.surface import (
     desired_nozzle_pose,
     fit_surface,
 )
+from bath_drake.perception.surface_velocity import moved_patch
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 from bath_drake.systems.canonical_projector import unknown_map
+
+# Longer than a slow camera's period; skin is no more extrapolated after it.
+HORIZON_S = 0.1
 
 _NO_PATCH = SurfacePatch(
     p_WS=np.zeros(3),
@@ -40,6 +49,7 @@ class SurfaceReference(LeafSystem):
         - canonical_map
         - body_observation
         - standoff
+        - surface_velocity (optional)
         output_ports:
         - surface_patch
         - desired_nozzle_pose
@@ -47,7 +57,9 @@ class SurfaceReference(LeafSystem):
 
     `standoff` is in metres. `desired_nozzle_pose` is X_WE. `surface_status` is 1
     where the skin was seen well enough and 0 where not; then the pose is one over
-    the back's plane and must not be followed. Stateless.
+    the back's plane and must not be followed. With `surface_velocity`, rad/s and m/s
+    in W, patch and pose are where the skin has gone to since the frame was taken, for
+    up to `HORIZON_S`; without, where it was seen. Stateless.
     """
 
     def __init__(self, *, radius: float = 0.03, roll: float = 0.0) -> None:
@@ -73,23 +85,31 @@ class SurfaceReference(LeafSystem):
             "body_observation", Value(BodyObservation())
         )
         self._standoff = self.DeclareVectorInputPort("standoff", 1)
+        self._velocity = self.DeclareVectorInputPort("surface_velocity", 6)
         sources = {
             self._p_NQ.ticket(),
             self._map.ticket(),
             self._observation.ticket(),
         }
+        # Fitted once a frame and reference, however often the patch is moved on.
+        self._fit = self.DeclareCacheEntry(
+            "fitted_patch",
+            ValueProducer(lambda: Value(_NO_PATCH), self._calc_fit),
+            sources,
+        )
+        now = {self._fit.ticket(), self._velocity.ticket(), self.time_ticket()}
         self._patch = self.DeclareAbstractOutputPort(
-            "surface_patch", lambda: Value(_NO_PATCH), self._calc_patch, sources
+            "surface_patch", lambda: Value(_NO_PATCH), self._calc_patch, now
         )
         self.DeclareAbstractOutputPort(
             "desired_nozzle_pose",
             lambda: Value(RigidTransform()),
             self._calc_pose,
-            sources | {self._standoff.ticket()},
+            now | {self._map.ticket(), self._standoff.ticket()},
         )
         self.DeclareVectorOutputPort("surface_status", 1, self._calc_status, sources)
 
-    def _calc_patch(self, context: Any, output: Any) -> None:
+    def _calc_fit(self, context: Any, output: Any) -> None:
         observation = eval_value(self._observation, context, BodyObservation)
         patch = fit_surface(
             observation.points_W,
@@ -97,6 +117,15 @@ class SurfaceReference(LeafSystem):
             eval_vector(self._p_NQ, context),
             self._radius,
         )
+        output.set_value(patch)
+
+    def _calc_patch(self, context: Any, output: Any) -> None:
+        patch: Any = self._fit.Eval(context)
+        if self._velocity.HasValue(context):
+            observation = eval_value(self._observation, context, BodyObservation)
+            age = context.get_time() - observation.stamp
+            velocity = eval_vector(self._velocity, context)
+            patch = moved_patch(patch, velocity, float(np.clip(age, 0.0, HORIZON_S)))
         output.set_value(patch)
 
     def _calc_pose(self, context: Any, output: Any) -> None:
@@ -109,5 +138,5 @@ class SurfaceReference(LeafSystem):
         )
 
     def _calc_status(self, context: Context, output: BasicVector) -> None:
-        patch: Any = self._patch.Eval(context)
+        patch: Any = self._fit.Eval(context)
         set_vector(output, [float(patch.valid)])

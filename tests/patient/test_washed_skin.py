@@ -7,7 +7,11 @@ from bath_drake.patient.motion import MotionConfig, trunk_bend
 from bath_drake.patient.people import load_person
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
-from bath_drake.patient.washed_skin import triangles_around_back, washed_skin
+from bath_drake.patient.washed_skin import (
+    tracking_lag,
+    triangles_around_back,
+    washed_skin,
+)
 
 BENDING = MotionConfig(
     flexion_amplitude=0.14, spine_twist_amplitude=0.2, chest_amplitude=0.006
@@ -61,3 +65,34 @@ def test_distance_and_normal_are_those_of_the_skin_as_it_was(washed):
 def test_the_triangles_around_the_back_are_some_of_the_persons(skin):
     around = triangles_around_back(skin.person)
     assert 960 < len(around) < len(skin.person.triangles) / 2
+
+
+@pytest.mark.parametrize("motion", [MotionConfig(), BENDING], ids=["rigid", "bent"])
+def test_skin_has_receded_from_where_the_nozzle_was(skin, motion):
+    # The nozzle stays where it is in W while the person, M, comes 5 mm nearer along
+    # the normal: in M it has gone 5 mm inwards.
+    (place,), _ = skin.under(np.zeros((1, 2)))
+    _, _, (normal,) = skin.nearest(place[None])
+    times = np.array([0.0, 0.01])  # so little time that nobody bends
+    tips = place + np.array([[STANDOFF], [STANDOFF]]) * normal
+    before = tips - 0.005 * normal
+    found = washed_skin(skin, motion, times, tips, -np.tile(normal, (2, 1)), before)
+    assert found.receded[0] == 0.0
+    # Rays and triangles are in single precision.
+    assert found.receded[1] == pytest.approx(-0.005, abs=1e-4)
+
+
+def test_a_nozzle_that_follows_late_is_found_out():
+    time = np.arange(0.0, 20.0, 0.01)
+    height = 0.008 * np.sin(2 * np.pi * 0.25 * time)  # a breath, outward
+    lag = 0.04
+    error = 0.008 * np.sin(2 * np.pi * 0.25 * (time - lag)) - height
+    receded = -np.diff(height, prepend=height[0])
+    # Differences of a sine over 10 ms, and the lag's own second order.
+    assert tracking_lag(error, receded, time) == pytest.approx(lag, rel=0.02)
+
+
+def test_still_skin_tells_no_lag():
+    time = np.arange(0.0, 5.0, 0.01)
+    assert tracking_lag(1e-3 * np.sin(time), np.zeros_like(time), time) is None
+    assert tracking_lag(np.zeros(2), np.zeros(2), np.zeros(2)) is None
