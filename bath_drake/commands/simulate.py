@@ -10,7 +10,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the scenario and what may stand in for its choices."""
     parser.add_argument("scenario", metavar="SCENARIO.yaml")
     parser.add_argument("--skill", metavar="SKILL.yaml", help="instead of its own")
-    parser.add_argument("--person", metavar="DIR", help="a folder or a shipped name")
+    from bath_drake.patient.people import shipped_people
+
+    parser.add_argument(
+        "--person",
+        metavar="DIR",
+        help=f"a folder or a shipped name: {', '.join(shipped_people())}",
+    )
     parser.add_argument("--seconds", type=float, metavar="S", help="longest run")
     parser.add_argument("--meshcat", action="store_true", help="show it live")
     parser.add_argument(

@@ -93,6 +93,12 @@ class Person:
         return normal
 
 
+def shipped_people() -> tuple[str, ...]:
+    """Returns the names of the people in models/people, in alphabetical order."""
+    folders = (models_folder() / "people").iterdir()
+    return tuple(sorted(p.name for p in folders if (p / "person.yaml").is_file()))
+
+
 def find_person(name: str | Path) -> Path:
     """Returns a person's folder: a path, or the name of a shipped one.
 
@@ -102,12 +108,11 @@ def find_person(name: str | Path) -> Path:
     path = Path(name)
     if path.is_dir():
         return path
-    shipped = models_folder() / "people"
-    if path.name == str(name) and (shipped / path).is_dir():
-        return shipped / path
-    names = sorted(p.name for p in shipped.iterdir() if p.is_dir())
+    if str(name) in shipped_people():
+        return models_folder() / "people" / path
     raise ScenarioError(
-        f"person {str(name)!r}: no such folder; shipped ones: {', '.join(names)}"
+        f"person {str(name)!r}: no such folder; shipped ones: "
+        f"{', '.join(shipped_people())}"
     )
 
 

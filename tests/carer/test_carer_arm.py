@@ -9,13 +9,13 @@ from bath_drake.carer.shapes import capsule, ellipsoid, limbs
 from bath_drake.carer.skin_path import lay_on_skin
 from bath_drake.carer.stroke import waypoint_stroke
 from bath_drake.errors import ScenarioError
-from bath_drake.patient.people import load_person
+from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.scene.carer import carer_arm
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import true_person_pose
 
-PEOPLE = ("f_thin", "f_avg", "m_avg", "m_heavy")
+PEOPLE = shipped_people()
 MOMENTS = np.linspace(0.0, 8.0, 33)
 
 
@@ -33,7 +33,7 @@ def made_up(person, side="right", **options):
 
 
 @pytest.fixture(
-    scope="module", params=[(p, "right") for p in PEOPLE] + [(PEOPLE[1], "left")]
+    scope="module", params=[(p, "right") for p in PEOPLE] + [("f_avg", "left")]
 )
 def carer(request):
     return made_up(*request.param)

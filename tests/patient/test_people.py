@@ -6,10 +6,17 @@ import numpy as np
 import pytest
 
 from bath_drake.errors import ScenarioError
-from bath_drake.patient.people import LABEL_BACK, PARTS, find_person, load_person
+from bath_drake.patient.gltf import read_part
+from bath_drake.patient.people import (
+    LABEL_BACK,
+    PARTS,
+    find_person,
+    load_person,
+    shipped_people,
+)
 from bath_drake.resources import models_folder
 
-PEOPLE = ("f_thin", "f_avg", "m_avg", "m_heavy")
+PEOPLE = shipped_people()
 
 
 @pytest.fixture
@@ -34,7 +41,7 @@ def rewrite_mesh(folder, **changes):
 def test_every_shipped_person_loads(name):
     person = load_person(name)
     assert person.rigged
-    assert 1.5 < person.stature < 1.8
+    assert 1.45 < person.stature < 2.0
     assert person.licence == "CC0-1.0"
 
 
@@ -75,8 +82,21 @@ def test_the_mesh_cannot_be_changed():
 
 
 def test_an_unknown_person_is_answered_with_the_known_ones():
-    with pytest.raises(ScenarioError, match=r"nobody.*f_avg, f_thin, m_avg, m_heavy"):
+    with pytest.raises(ScenarioError, match="nobody.*" + ", ".join(PEOPLE)):
         find_person("nobody")
+
+
+def test_people_of_six_builds_or_more_ship():
+    assert len(PEOPLE) >= 6
+    people = [load_person(name) for name in PEOPLE]
+    assert len({person.name for person in people}) == len(people)
+    # Clearly different: 35 cm from the smallest to the tallest, 10 cm in the width of
+    # the back, and skins from very dark to very fair, half the scale apart.
+    assert np.ptp([person.stature for person in people]) > 0.35
+    widths = [(high - low)[0] for low, high in (p.back_extents for p in people)]
+    assert np.ptp(widths) > 0.1
+    skins = [read_part(person.part_path("back")).rgba[:3].mean() for person in people]
+    assert np.ptp(skins) > 0.5
 
 
 @pytest.mark.parametrize(

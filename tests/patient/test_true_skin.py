@@ -4,12 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from bath_drake.patient.people import LABEL_BACK, load_person
+from bath_drake.patient.people import LABEL_BACK, load_person, shipped_people
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.wound import signed_polygon_distance
-from bath_drake.resources import models_folder
 
-PEOPLE = sorted(p.name for p in (models_folder() / "people").iterdir() if p.is_dir())
+PEOPLE = shipped_people()
 SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 

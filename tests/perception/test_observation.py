@@ -3,10 +3,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from bath_drake.patient.people import shipped_people
 from bath_drake.perception.canonical import fit_canonical_map
 from bath_drake.perception.segmentation import UP_W, BodyObservation
 
-PEOPLE = ("f_thin", "f_avg", "m_avg", "m_heavy")
+PEOPLE = shipped_people()
 
 
 def _map(observation):

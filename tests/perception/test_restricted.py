@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.patient.people import shipped_people
 from bath_drake.perception.canonical import fit_canonical_map
 from bath_drake.perception.restricted import (
     enclosing_ellipse,
@@ -10,7 +11,7 @@ from bath_drake.perception.restricted import (
 )
 from bath_drake.perception.segmentation import UP_W
 
-PEOPLE = ("f_thin", "f_avg", "m_avg", "m_heavy")
+PEOPLE = shipped_people()
 WOUND = (0.05, 0.05, 0.04, 0.03)
 
 

@@ -13,12 +13,11 @@ from bath_drake.benchmarks.perception.filmed import (
     Filmed,
     Frame,
     filmed,
-    people,
 )
 from bath_drake.benchmarks.timing import best_seconds
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.motion import Bend
-from bath_drake.patient.people import load_person
+from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
@@ -72,7 +71,7 @@ def run(progress: Progress) -> Report:
     """Films all people in all motions and compares what is seen with what is true."""
     rows: list[Row] = []
     measured: dict[tuple[str, str], Measured] = {}
-    pairs = [(name, motion) for name in people() for motion in MOTIONS]
+    pairs = [(name, motion) for name in shipped_people() for motion in MOTIONS]
     for k, (name, motion) in enumerate(pairs):
         progress(f"{name}, {motion}", k / len(pairs))
         period, count = FRAMES[motion]
@@ -204,7 +203,7 @@ def _figures(measured: dict[tuple[str, str], Measured]) -> list[Figure]:
         )
         target = STILL_RMS if motion == "still" else MOVING_RMS
         figures.append(Figure(f"canonical_rms_{motion}", worst, "", target))
-    bent = bending_skin(load_person(people()[0]))
+    bent = bending_skin(load_person(shipped_people()[0]))
     figures += [
         Figure(
             "bent_skin_time", 1e3 * best_seconds(lambda: bent.points(BENT), 50), "ms"

@@ -19,7 +19,6 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.washed_skin import triangles_around_back
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.depth_noise import noisy_depth
-from bath_drake.resources import models_folder
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import (
     PERSON_LABELS,
@@ -115,11 +114,6 @@ class Filmed:
                 R_WM=np.array(X_WM.rotation().matrix()),
                 p_WM=np.array(X_WM.translation()),
             )
-
-
-def people() -> list[str]:
-    """Returns the names of all shipped people."""
-    return sorted(p.name for p in (models_folder() / "people").iterdir() if p.is_dir())
 
 
 def filmed(name: str, motion: MotionConfig) -> Filmed:

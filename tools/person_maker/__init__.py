@@ -1,0 +1,1 @@
+"""Makes seated people out of MakeHuman's data; run through `tools/make_people.py`."""
