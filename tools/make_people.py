@@ -49,7 +49,7 @@ def _make(options: argparse.Namespace) -> int:
             raise BathDrakeError(f"{folder}: exists; give --out another folder")
         seated = write_folder(human, recipes[name], folder)
         stature, bmi = measures(human, seated.body)
-        print(f"{name}: {stature:.2f} m, body mass index {bmi:.1f}")
+        print(f"{name}: {stature:.3f} m, body mass index {bmi:.1f}")
         if options.compare is not None:
             found += [f"{name}: {text}" for text in _compare(options, name)]
     for text in found:
