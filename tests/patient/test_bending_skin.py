@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from bath_drake.errors import ScenarioError
 from bath_drake.patient.bending import BendingSkin, body_transforms
 from bath_drake.patient.motion import Bend, MotionConfig, trunk_bend
-from bath_drake.patient.people import LABEL_BACK, load_person
+from bath_drake.patient.people import LABEL_BACK, load_person, shipped_people
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.skin_parts import follow
@@ -25,7 +25,7 @@ BENDING = MotionConfig(
 angles = st.floats(-0.3, 0.3)
 
 
-@pytest.fixture(scope="module", params=["m_avg", "f_thin"])
+@pytest.fixture(scope="module", params=shipped_people())
 def person(request):
     return load_person(request.param)
 
