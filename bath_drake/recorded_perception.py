@@ -11,8 +11,8 @@ from bath_drake.demonstrations.rgbd.folder import RgbdFolder
 from bath_drake.demonstrations.rgbd.writer import INTRINSICS
 from bath_drake.errors import DemonstrationError
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.perception_diagram import add_perception, export_perception
 from bath_drake.scenario import Scenario
 from bath_drake.systems._poses import at, rotation_from

@@ -15,8 +15,8 @@ from bath_drake.field.rollout import RolloutStatus
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.patient.people import load_person
 from bath_drake.patient.skin import TrueSkin
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.scenario import load_scenario
 from bath_drake.verification import pose_from_row
 

@@ -79,6 +79,16 @@ def without_holes(mask: BoolArray) -> BoolArray:
     return canvas.astype(bool)
 
 
+def without_specks(mask: BoolArray, most: int) -> BoolArray:
+    """Returns the mask with the holes of up to `most` pixels that it encloses."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(
+        _bytes(~mask), connectivity=4
+    )
+    filled = np.zeros(count, dtype=bool)
+    filled[1:] = stats[1:, cv2.CC_STAT_AREA] <= most
+    return np.asarray(mask | filled[labels])
+
+
 def convex_hull(mask: BoolArray) -> BoolArray:
     """Returns the convex hull of the mask's pixels."""
     canvas = np.zeros(mask.shape, dtype=np.uint8)

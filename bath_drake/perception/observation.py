@@ -6,8 +6,9 @@ import numpy as np
 
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.perception import morphology
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
+from bath_drake.perception.canonical import fit_canonical_map
 from bath_drake.perception.completion import (
     BackTemplate,
     Expectation,
@@ -18,7 +19,6 @@ from bath_drake.perception.completion import (
 from bath_drake.perception.pixels import pixel_areas, points_in_world
 from bath_drake.perception.segmentation import (
     UP_W,
-    BodyObservation,
     SegmentationConfig,
     segment_back,
 )
@@ -77,15 +77,16 @@ def observe_body(
     template_W, indices, expected = _expect(previous, view)
     visible, completed = segment_back(colour, image_W, robot_mask, config, expected)
     areas = pixel_areas(image_W, depth, visible, p_WC, view.focal2)
-    area = float(areas.sum())
+    seen = np.flatnonzero(visible)
+    points_W = image_W.reshape(-1, 3)[seen]
+    point_areas = areas.ravel()[seen]
+    area = float(point_areas.sum())
     reference = max(previous.reference_area, area)
     fraction = area / reference if reference > 0.0 else 0.0
-    found = bool(visible.sum() >= config.min_pixels and fraction >= config.min_fraction)
-    points_W, point_areas = image_W[visible], areas[visible]
+    found = bool(len(seen) >= config.min_pixels and fraction >= config.min_fraction)
     completed_W, completed_areas = previous.completed_points_W, previous.completed_areas
-    template = previous.template
+    template, tracked = previous.template, previous.tracked_map
     if found:
-        completed_W, completed_areas = points_W, point_areas
         if template is not None:
             rows, columns = indices.T
             behind = (rows >= 0) & robot_mask[rows, columns]
@@ -94,22 +95,25 @@ def observe_body(
             hidden_W, hidden_areas = _extrapolate(depth, visible, completed, view)
         completed_W = np.concatenate([points_W, hidden_W])
         completed_areas = np.concatenate([point_areas, hidden_areas])
+        tracked = fit_canonical_map(
+            completed_W[::STRIDE], UP_W, p_WC, completed_areas[::STRIDE]
+        )
         if not (morphology.dilate(visible, TOUCH) & robot_mask).any():
-            own = _tracked_map(points_W, point_areas, p_WC)
-            template = BackTemplate(own.plane_from_world(points_W), point_areas)
-    rows, columns = np.nonzero(visible)
+            template = BackTemplate(tracked.plane_from_world(points_W), point_areas)
+    rows, columns = np.divmod(seen, camera.width)
     return BodyObservation(
         stamp=stamp,
         mask=visible,
         robot_mask=robot_mask,
         points_W=points_W,
-        pixels=np.column_stack([columns, rows]).astype(np.int64),
-        colours=np.ascontiguousarray(colour[visible][:, :3]),
+        pixels=np.column_stack([columns, rows]),
+        colours=colour.reshape(-1, colour.shape[2])[seen, :3],
         point_areas=point_areas,
         completed_points_W=completed_W,
         completed_areas=completed_areas,
         area=area,
         template=template,
+        tracked_map=tracked,
         reference_area=reference,
         visible_fraction=fraction,
         found=found,
@@ -129,22 +133,13 @@ class _View:
         return self.camera.fx * self.camera.fy
 
 
-def _tracked_map(
-    points_W: FloatArray, areas: FloatArray, p_WC: FloatArray
-) -> CanonicalMap:
-    """Returns the map the whole back is carried along with; few points do."""
-    return fit_canonical_map(points_W[::STRIDE], UP_W, p_WC, areas[::STRIDE])
-
-
 def _expect(
     previous: BodyObservation, view: _View
 ) -> tuple[FloatArray, IntArray, Expectation | None]:
     """Returns the template's points in W, their pixels, and what to expect."""
-    if previous.template is None:
+    last = previous.tracked_map
+    if previous.template is None or last is None:
         return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), None
-    last = _tracked_map(
-        previous.completed_points_W, previous.completed_areas, view.p_WC
-    )
     points_W = previous.template.points_in_world(last)
     indices = pixel_indices(points_W, view.camera, view.R_WC, view.p_WC)
     mask = covered_pixels(indices, view.camera.shape)

@@ -57,21 +57,24 @@ def inside_box(points: FloatArray, low: FloatArray, high: FloatArray) -> BoolArr
 
 
 @njit(cache=True)
-def behind_jump(points: FloatArray, mask: BoolArray, limit: float) -> BoolArray:
+def behind_jump(
+    points: FloatArray, mask: BoolArray, limit: float, most_lost: int = 2
+) -> BoolArray:
     """Returns the mask's pixels beside a jump of depth.
 
     Args:
         points: (H, W, 3), metres.
         mask: (H, W) pixels asked about.
         limit: Two neighbours further apart than this do not touch, metres.
+        most_lost: So many pixels without depth in a row are the sensor's, and looked
+            past; more are no surface.
 
     Returns:
-        (H, W) True where a right, left, upper or lower neighbour is further off
-        than `limit` or unknown.
+        (H, W) True where, to the right, left, up or down, what was measured next is
+        further off than `limit` for every step to it, or too many pixels away.
     """
     rows, columns, _ = points.shape
     found = np.zeros((rows, columns), dtype=np.bool_)
-    limit2 = limit * limit
     for v in range(rows):
         for u in range(columns):
             if not mask[v, u]:
@@ -79,13 +82,67 @@ def behind_jump(points: FloatArray, mask: BoolArray, limit: float) -> BoolArray:
             for k in range(4):
                 dv = (0, 0, 1, -1)[k]
                 du = (1, -1, 0, 0)[k]
-                if 0 <= v + dv < rows and 0 <= u + du < columns:
+                if not (0 <= v + dv < rows and 0 <= u + du < columns):
+                    continue
+                touches = False
+                for n in range(1, most_lost + 2):
+                    y, x = v + n * dv, u + n * du
+                    if not (0 <= y < rows and 0 <= x < columns):
+                        touches = True  # the image ends before anything is known
+                        break
                     d2 = 0.0
                     for c in range(3):
-                        d2 += (points[v + dv, u + du, c] - points[v, u, c]) ** 2
-                    if not d2 <= limit2:
-                        found[v, u] = True
+                        d2 += (points[y, x, c] - points[v, u, c]) ** 2
+                    if d2 == d2:  # measured
+                        touches = d2 <= (n * limit) ** 2
+                        break
+                if not touches:
+                    found[v, u] = True
+                    break
     return found
+
+
+@njit(cache=True)
+def grown_along(
+    points: FloatArray, mask: BoolArray, allowed: BoolArray, limit: float, steps: int
+) -> BoolArray:
+    """Returns the mask and the allowed pixels that a surface joins to it.
+
+    Args:
+        points: (H, W, 3), metres.
+        mask: (H, W).
+        allowed: (H, W) pixels that may be added.
+        limit: Neighbours further apart than this are not joined, metres.
+        steps: How far it grows, pixels.
+    """
+    rows, columns, _ = points.shape
+    grown = mask.copy()
+    edge = np.empty((rows * columns, 2), dtype=np.int64)
+    begin = count = 0
+    for v in range(rows):
+        for u in range(columns):
+            if mask[v, u]:
+                edge[count, 0], edge[count, 1] = v, u
+                count += 1
+    for _ in range(steps):
+        end = count
+        for i in range(begin, end):
+            v, u = edge[i, 0], edge[i, 1]
+            for k in range(4):
+                y, x = v + (0, 0, 1, -1)[k], u + (1, -1, 0, 0)[k]
+                if not (0 <= y < rows and 0 <= x < columns):
+                    continue
+                if grown[y, x] or not allowed[y, x]:
+                    continue
+                d2 = 0.0
+                for c in range(3):
+                    d2 += (points[y, x, c] - points[v, u, c]) ** 2
+                if d2 <= limit * limit:
+                    grown[y, x] = True
+                    edge[count, 0], edge[count, 1] = y, x
+                    count += 1
+        begin = end
+    return grown
 
 
 @njit(cache=True)
@@ -125,23 +182,60 @@ def pixel_normals(points: FloatArray, mask: BoolArray, reach: int) -> FloatArray
         for u in range(columns):
             if not mask[v, u]:
                 continue
-            a, b, c, d = u, u, v, v
-            for _ in range(reach):
-                if a > 0 and mask[v, a - 1]:
-                    a -= 1
-                if b < columns - 1 and mask[v, b + 1]:
-                    b += 1
-                if c > 0 and mask[c - 1, u]:
-                    c -= 1
-                if d < rows - 1 and mask[d + 1, u]:
-                    d += 1
-            n0, n1, n2 = _cross(points[c, u], points[d, u], points[v, a], points[v, b])
+            n0, n1, n2 = _normal(points, mask, v, u, reach)
             length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
             if length > 0.0:
                 normals[v, u, 0] = n0 / length
                 normals[v, u, 1] = n1 / length
                 normals[v, u, 2] = n2 / length
     return normals
+
+
+@njit(cache=True)
+def facing_along(
+    points: FloatArray, mask: BoolArray, reach: int, axis: FloatArray, limit: float
+) -> BoolArray:
+    """Returns the mask's pixels whose normal is turned towards an axis.
+
+    Args:
+        points: (H, W, 3), metres.
+        mask: (H, W) pixels of one surface.
+        reach: As of `pixel_normals`.
+        axis: (3,) unit vector.
+        limit: Cosine of the angle between normal and axis that is not exceeded.
+
+    Returns:
+        (H, W) True where it is.
+    """
+    rows, columns, _ = points.shape
+    facing = np.zeros((rows, columns), dtype=np.bool_)
+    for v in range(rows):
+        for u in range(columns):
+            if mask[v, u]:
+                n0, n1, n2 = _normal(points, mask, v, u, reach)
+                length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+                along = n0 * axis[0] + n1 * axis[1] + n2 * axis[2]
+                facing[v, u] = along > limit * length
+    return facing
+
+
+@njit(cache=True, inline="always")
+def _normal(
+    points: FloatArray, mask: BoolArray, v: int, u: int, reach: int
+) -> tuple[float, float, float]:
+    """Returns a pixel's normal, of any length, as of `pixel_normals`."""
+    rows, columns = mask.shape
+    a, b, c, d = u, u, v, v
+    for _ in range(reach):
+        if a > 0 and mask[v, a - 1]:
+            a -= 1
+        if b < columns - 1 and mask[v, b + 1]:
+            b += 1
+        if c > 0 and mask[c - 1, u]:
+            c -= 1
+        if d < rows - 1 and mask[d + 1, u]:
+            d += 1
+    return _cross(points[c, u], points[d, u], points[v, a], points[v, b])
 
 
 @njit(cache=True, inline="always")

@@ -7,8 +7,8 @@ from numba import njit
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception import morphology
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import MIN_POINTS, CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 
 # Darker than this share of the skin around it is no skin. Folds and shading reach
 # 0.8, a wound on very dark skin 0.6.

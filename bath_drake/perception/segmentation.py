@@ -1,21 +1,23 @@
 """The classic segmenter: Cartesian and colour filters (paper, IV-B)."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
+from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception import morphology
 from bath_drake.perception.canonical import (
     MIN_POINTS,
     edges_by_level,
     principal_frame,
 )
-from bath_drake.perception.completion import BackTemplate, Expectation
+from bath_drake.perception.completion import Expectation
 from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
+    facing_along,
+    grown_along,
     inside_box,
     pixel_normals,
 )
@@ -26,68 +28,16 @@ UP_W.setflags(write=False)
 # Pixels this near to the robot are beside it.
 ROBOT_RIM = 2.0
 
+# Normals are taken over so many pixels to either side: a Kinect's noise is then some
+# five degrees.
+NORMAL_REACH = 4
+
+# Holes of so few pixels are the sensor's.
+SPECK = 12
+
 # A disc of this share of the torso's covers no forearm, but the pieces of a back
 # on both sides of the robot.
 LIMB_SHARE = 0.6
-
-
-def _empty(*shape: int) -> FloatArray:
-    return np.zeros(shape)
-
-
-@dataclass(frozen=True, eq=False)
-class BodyObservation:
-    """What one frame says about the back; nothing but camera and joints went in.
-
-    Attributes:
-        stamp: When the images were taken, seconds; -inf before the first frame.
-        mask: (H, W) visible back, restricted areas (holes) included.
-        robot_mask: (H, W) where the robot is or may be.
-        points_W: (n, 3) visible points of the back, metres.
-        pixels: (n, 2) their columns and rows.
-        colours: (n, 3) their colours, RGB.
-        point_areas: (n,) surface each stands for, m^2.
-        completed_points_W: (m, 3) the visible points and those guessed behind the
-            robot; for axes and extents only, never for the surface. Where the body
-            is not found they are those of the last frame in which it was.
-        completed_areas: (m,) surface each of them stands for, m^2.
-        area: Visible skin of the back, m^2.
-        template: The back as it was when nothing hid it; None until then.
-        reference_area: Largest such area seen so far, this frame included, m^2.
-        visible_fraction: `area` over `reference_area`.
-        found: Whether enough of the back is visible to go on.
-        R_WC: (3, 3) orientation of the camera in W.
-        p_WC: (3,) position of the camera in W, metres.
-    """
-
-    stamp: float = -np.inf
-    mask: BoolArray = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
-    robot_mask: BoolArray = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
-    points_W: FloatArray = field(default_factory=lambda: _empty(0, 3))
-    pixels: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))
-    colours: ByteArray = field(default_factory=lambda: np.zeros((0, 3), dtype=np.uint8))
-    point_areas: FloatArray = field(default_factory=lambda: _empty(0))
-    completed_points_W: FloatArray = field(default_factory=lambda: _empty(0, 3))
-    completed_areas: FloatArray = field(default_factory=lambda: _empty(0))
-    area: float = 0.0
-    template: BackTemplate | None = None
-    reference_area: float = 0.0
-    visible_fraction: float = 0.0
-    found: bool = False
-    R_WC: FloatArray = field(default_factory=lambda: np.eye(3))
-    p_WC: FloatArray = field(default_factory=lambda: _empty(3))
-
-    def __post_init__(self) -> None:
-        """Makes the arrays read-only: whoever holds an observation shares it."""
-        for name, value in list(vars(self).items()):
-            if isinstance(value, np.ndarray):
-                shared = value.view()
-                shared.setflags(write=False)
-                object.__setattr__(self, name, shared)
-
-    def __deepcopy__(self, memo: object) -> "BodyObservation":
-        """Returns itself, for it never changes: a copy has some two megabytes."""
-        return self
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,13 +54,15 @@ class SegmentationConfig:
         gap_radius: Gaps in the skin that a disc of this radius cannot enter are
             closed.
         hole_area: Holes up to this area, such as wounds, belong to the back, m^2.
-        max_rise: Skin whose normal has more than this cosine with the vertical is
-            the top of a shoulder.
+        max_rise: Skin whose normal has more than this cosine with the back's own
+            upward axis is the top of a shoulder.
         min_breadth: The back ends, above and below, where it is less broad than
             this share of its greatest breadth.
         torso_radius: The torso is what a disc of at least this radius covers.
         torso_share: The disc's radius as a share of that of the largest disc
             inside the skin: the shoulders of stout people are stouter too.
+        rim: So much of the body's edge, which had to stay out for the arms to be told
+            from the flanks, is taken back in along the surface.
         min_pixels: Fewer visible pixels are no back.
         min_fraction: A smaller share of the largest area seen is no back.
 
@@ -126,10 +78,11 @@ class SegmentationConfig:
     jump: float = 0.03
     gap_radius: float = 0.02
     hole_area: float = 0.02
-    max_rise: float = 0.94
+    max_rise: float = 0.82
     min_breadth: float = 0.5
     torso_radius: float = 0.075
     torso_share: float = 0.52
+    rim: float = 0.01
     min_pixels: int = 400
     min_fraction: float = 0.3
 
@@ -151,7 +104,7 @@ class SegmentationConfig:
             raise ValueError(
                 f"min_pixels must be at least {4 * MIN_POINTS}, got {self.min_pixels}"
             )
-        for name in ("gap_radius", "hole_area"):
+        for name in ("gap_radius", "hole_area", "rim"):
             if not getattr(self, name) >= 0.0:
                 raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
         for name in ("min_saturation", "min_value", "min_fraction"):
@@ -213,7 +166,7 @@ def segment_back(
     if window is not None:
         visible[window], completed[window] = _segment(
             np.ascontiguousarray(colour[window]),
-            points_W[window],
+            np.ascontiguousarray(points_W[window]),
             np.ascontiguousarray(boxed[window]),
             np.ascontiguousarray(robot_mask[window]),
             config,
@@ -246,7 +199,8 @@ def _segment(
     # Beside the robot a jump is the robot's, not the body's edge.
     jumps = behind_jump(points_W, boxed, config.jump)
     solid = boxed & ~(jumps & ~morphology.dilate(robot_mask, ROBOT_RIM))
-    skin = morphology.opened(solid & skin_mask(colour, config), 1.0)
+    coloured = skin_mask(colour, config)
+    skin = morphology.opened(solid & coloured, 1.0)
     pitch = pixel_pitch(points_W, skin)
     if not pitch > 0.0:
         return nothing, nothing
@@ -259,9 +213,14 @@ def _segment(
     skin = skin | hidden
     skin = skin | (morphology.closed(skin, config.gap_radius / pitch) & solid)
     skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
+    # A pixel that the sensor lost must not keep a disc of fifty out.
+    skin = morphology.without_specks(skin, SPECK)
     torso = morphology.stoutest_part(
         skin, config.torso_radius / pitch, config.torso_share
     )
+    # The body's own edge had to stay out for the arms to be told from the flanks.
+    rim = round(config.rim / pitch)
+    torso = grown_along(points_W, torso, boxed & coloured, config.jump, rim)
     visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config, expected)
     if expected is None:
         hidden = _hidden(robot_mask, visible)
@@ -283,30 +242,34 @@ def _trimmed(
     expected: Expectation | None,
 ) -> BoolArray:
     """Cuts off shoulder tops, the neck's stump and what hangs below the waist."""
-    normals = pixel_normals(points_W, torso, 2)
     # A hole that belongs to the back may hold pixels without depth.
     torso = torso & np.isfinite(points_W[..., 0])
-    torso &= normals @ UP_W <= config.max_rise
-    points = points_W[torso]
-    if len(points) < MIN_POINTS:
+    if int(torso.sum()) < MIN_POINTS:
         return np.zeros_like(torso)
     if expected is not None:
         R_WP, span = expected.R_WP, expected.span
     else:
         # Normals are on the camera's side: so is the point their mean leads to.
+        points = points_W[torso]
+        normals = pixel_normals(points_W, torso, NORMAL_REACH)
         eye = points.mean(axis=0) + normals[torso].mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
         span = -np.inf, np.inf
-    across, along = (points @ R_WP[:, :2]).T
+    up_W = np.ascontiguousarray(R_WP[:, 1])
+    torso &= ~facing_along(points_W, torso, NORMAL_REACH, up_W, config.max_rise)
+    chosen = np.flatnonzero(torso)
+    if len(chosen) < MIN_POINTS:
+        return np.zeros_like(torso)
+    across, along = (points_W.reshape(-1, 3)[chosen] @ R_WP[:, :2]).T
     level, left, right = edges_by_level(along, across)
     broad = right - left >= config.min_breadth * (right - left).max()
-    # Where the robot touches the back its breadth is unknown, its end expected.
-    known = (along >= span[0]) & (along <= span[1])
-    broad[level[morphology.dilate(robot_mask, ROBOT_RIM)[torso] & known]] = True
+    if robot_mask.any():
+        # Where the robot touches the back its breadth is unknown, its end expected.
+        touched = morphology.dilate(robot_mask, ROBOT_RIM).ravel()[chosen]
+        known = (along >= span[0]) & (along <= span[1])
+        broad[level[touched & known]] = True
     broad = np.flatnonzero(broad)
-    keep = (level >= broad[0]) & (level <= broad[-1])
-    rows, columns = np.nonzero(torso)
-    torso[rows[~keep], columns[~keep]] = False
+    torso.ravel()[chosen[(level < broad[0]) | (level > broad[-1])]] = False
     return torso
 
 

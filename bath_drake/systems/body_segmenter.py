@@ -10,9 +10,10 @@ from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 from pydrake.systems.sensors import ImageDepth32F, ImageRgba8U
 
 from bath_drake.notation import FloatArray
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.observation import observe_body
-from bath_drake.perception.segmentation import BodyObservation, SegmentationConfig
+from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.perception.self_filter import RobotGeometry, robot_silhouette
 from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector
 

@@ -6,13 +6,14 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import (
     MIN_POINTS,
     CanonicalMap,
     fit_canonical_map,
 )
 from bath_drake.perception.map_filter import MapFilter
-from bath_drake.perception.segmentation import UP_W, BodyObservation
+from bath_drake.perception.segmentation import UP_W
 from bath_drake.systems._ports import eval_value
 
 # After the segmenter's frame, so that it is this very frame that is looked at:

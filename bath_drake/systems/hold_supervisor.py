@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from bath_drake.perception.segmentation import BodyObservation
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.safety.hold import MAX_FRAME_AGE, HoldReason, hold_reason
 from bath_drake.systems._ports import drake_vector, eval_scalar, eval_value
 

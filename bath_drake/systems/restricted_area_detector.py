@@ -7,9 +7,9 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.restricted import find_restricted_areas, merge_areas
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.systems._ports import eval_value
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S, unknown_map
 

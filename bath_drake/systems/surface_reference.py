@@ -12,8 +12,8 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.perception.surface import (
     MAX_RADIUS,
     SurfacePatch,

@@ -6,8 +6,8 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.perception.surface import MAX_RADIUS, fit_surface
 from bath_drake.perception.surface_velocity import VelocityFilter
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector

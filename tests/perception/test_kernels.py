@@ -13,7 +13,13 @@ from bath_drake.perception.canonical import (
     edges_by_level,
     trimmed_range,
 )
-from bath_drake.perception.pixels import column_steps, pixel_normals
+from bath_drake.perception.pixels import (
+    behind_jump,
+    column_steps,
+    facing_along,
+    grown_along,
+    pixel_normals,
+)
 from bath_drake.perception.restricted import LEAST_BRIGHTNESS, relative_brightness
 from bath_drake.perception.surface import fit_surface
 
@@ -112,3 +118,61 @@ def test_observations_are_shared_and_cannot_change(draw_frame):
     assert copy.deepcopy(observation) is observation
     with pytest.raises(ValueError, match="read-only"):
         observation.points_W[0, 0] = 1.0
+
+
+def _slope(rows=12, columns=20):
+    """A plane of points 4 mm apart that runs away to the right, and a mask of it."""
+    v, u = np.mgrid[0:rows, 0:columns].astype(np.float64)
+    return np.stack([4e-3 * u, 4e-3 * v, 4e-3 * u], axis=-1), np.full(v.shape, True)
+
+
+@pytest.mark.parametrize("lost", [0, 1, 2, 3])
+def test_jumps_are_looked_for_past_a_lost_pixel_or_two(lost):
+    points, mask = _slope()
+    points[:, 8 : 8 + lost] = np.nan
+    mask[:, 8 : 8 + lost] = False
+    jumps = behind_jump(points, mask, 0.02)
+    assert jumps.any() == (lost > 2)
+    # Where there is a real jump it is found all the same.
+    points[:, 8 + lost :, 2] += 0.5
+    jumps = behind_jump(points, mask, 0.02)
+    assert jumps[:, 7].all()
+    assert jumps[:, 8 + lost].all()
+    assert not jumps[:, :7].any()
+
+
+def test_a_mask_grows_along_the_surface_and_not_over_a_jump():
+    points, allowed = _slope()
+    points[:, 12:, 2] += 0.5
+    allowed[5] = False
+    mask = np.zeros_like(allowed)
+    mask[:, 8] = True
+    grown = grown_along(points, mask, allowed, 0.02, 2)
+    expected = np.zeros_like(mask)
+    expected[:, 6:11] = True
+    expected[5] = mask[5]
+    np.testing.assert_array_equal(grown, expected)
+    # However far it may go, the jump stops it.
+    assert not grown_along(points, mask, allowed, 0.02, 50)[:, 12:].any()
+    np.testing.assert_array_equal(grown_along(points, mask, allowed, 0.02, 0), mask)
+
+
+@pytest.mark.parametrize("limit", [-0.5, 0.0, 0.7, 0.95])
+def test_pixels_facing_an_axis_are_those_whose_normals_do(rng, limit):
+    points, _ = _slope(30, 40)
+    points += 5e-4 * rng.standard_normal(points.shape)
+    mask = rng.random(points.shape[:2]) < 0.9
+    axis = np.array([0.6, 0.0, -0.8])
+    expected = mask & (pixel_normals(points, mask, 3) @ axis > limit)
+    seen = np.linalg.norm(pixel_normals(points, mask, 3), axis=-1) > 0.0
+    facing = facing_along(points, mask, 3, axis, limit)
+    np.testing.assert_array_equal(facing[seen], expected[seen])
+
+
+def test_specks_are_filled_and_larger_holes_are_not():
+    mask = np.full((20, 20), True)
+    mask[4, 4] = mask[10, 3:7] = False
+    large = np.zeros_like(mask)
+    large[8:12, 12:16] = True
+    filled = morphology.without_specks(mask & ~large, 4)
+    np.testing.assert_array_equal(filled, ~large)

@@ -64,6 +64,18 @@ def test_a_wound_belongs_to_the_back(draw_frame):
     assert visible[(frame.colour == (25, 12, 12)).all(axis=-1)].all()
 
 
+def test_pixels_that_the_sensor_lost_cost_the_back_nothing_else(draw_frame):
+    whole = _segment(draw_frame())[0]
+    frame = draw_frame()
+    rng = np.random.default_rng(1)
+    # One in two hundred, as at places that shine; each alone could keep a disc out.
+    lost = frame.back & (rng.random(frame.depth.shape) < 0.005)
+    frame.depth[lost] = np.nan
+    visible, _ = _segment(frame)
+    assert not (visible & lost).any()
+    assert _overlap(visible | lost, whole | lost) > 0.98
+
+
 def test_a_skin_coloured_wall_outside_the_box_is_no_back(draw_frame):
     frame = draw_frame()
     frame.colour[~frame.back & (frame.depth > 2.0)] = (200, 150, 120)

@@ -5,9 +5,10 @@ import pytest
 from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import fit_canonical_map
 from bath_drake.perception.map_filter import MapFilter
-from bath_drake.perception.segmentation import UP_W, BodyObservation
+from bath_drake.perception.segmentation import UP_W
 from bath_drake.systems.canonical_projector import CanonicalProjector, unknown_map
 
 

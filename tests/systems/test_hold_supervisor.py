@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from bath_drake.perception.segmentation import BodyObservation
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.safety.hold import HoldReason
 from bath_drake.systems.hold_supervisor import HoldSupervisor
 

@@ -5,9 +5,9 @@ import pytest
 from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.restricted import find_restricted_areas
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 
 MARGIN, PERIOD = 0.02, 0.1

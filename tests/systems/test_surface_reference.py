@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydrake.common.value import Value
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.perception.surface import desired_nozzle_pose, fit_surface
 from bath_drake.systems.surface_reference import SurfaceReference
 

@@ -9,8 +9,8 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.segmentation import BodyObservation
 from bath_drake.perception.surface import fit_surface
 from bath_drake.perception.surface_velocity import VelocityFilter
 from bath_drake.systems.surface_reference import SurfaceReference

@@ -26,9 +26,6 @@ from bath_drake.perception.segmentation import (
 RIM, RIM_DEPTH = 0.035, 0.25
 # Depths are smoothed over so many pixels before normals are taken.
 SMOOTHING = 1.5
-# The top of a shoulder begins sooner than for the robot's camera (cosine): one that
-# films a sitting person from above sees more of it.
-MAX_RISE = 0.9
 
 
 class View:
@@ -56,7 +53,9 @@ class View:
         self.config = SegmentationConfig(
             box_low_W=np.full(3, -reach),
             box_high_W=np.full(3, reach),
-            max_rise=MAX_RISE,
+            # A recording is long enough to do without the last centimetre of flanks,
+            # which on a shoulder is the arm's and makes the back too broad.
+            rim=0.0,
         )
 
     def points_C(self, depth: FloatArray) -> FloatArray:
