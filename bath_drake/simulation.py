@@ -85,8 +85,6 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
     colour = _last_image(diagram, context, "colour")
     depth = _last_image(diagram, context, "depth")
-    completed = float(np.sum(observation.completed_areas))
-    hidden = 1.0 - observation.area / completed if completed > 0.0 else 1.0
     return {
         "time": context.get_time(),
         "colour": colour[:, :, :3].copy(),
@@ -96,7 +94,11 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
         "map": _map_row(canonical_map),
         "areas": areas.theta,
         "world": _packed_world(diagram, context),
-        "reach": (observation.visible_fraction, hidden),
+        "reach": (
+            observation.visible_fraction,
+            observation.hidden_share,
+            observation.completion_quality,
+        ),
     }
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from bath_drake.errors import RunFolderError
 from bath_drake.files import read_bytes, write_atomically
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
+from bath_drake.safety.hold import HoldReason
 
 _MAX_BYTES = 512 * 1024 * 1024
 
@@ -51,8 +52,9 @@ class SimulationLog:
             packed (`bath_drake.field.parameters`).
         world_time: (W,) s, when a world was first driven in, to a tenth of a second.
         worlds: (W, n) these worlds, packed likewise.
-        keyframe_reach: (K, 2) visible fraction of the back, share of it that the
-            robot hides.
+        keyframe_reach: (K, 3) visible fraction of the back, share of it that the
+            robot hides, and how far the skin filled in for that can be believed; in
+            older logs (K, 2), without the last.
         intrinsics: (6,) of the camera: width, height, fx, fy, cx, cy.
         X_WC: (4, 4) pose of the camera.
     """
@@ -113,6 +115,11 @@ class SimulationLog:
             # Logs from before there was periodic motion have no such series.
             none = np.zeros_like(arrays["canonical_reference"])
             arrays.setdefault("canonical_offset", none)
+        counts = arrays.get("hold_counts")
+        if counts is not None and counts.ndim == 1 and len(counts) < len(HoldReason):
+            # And those from before fewer reasons to hold.
+            more = np.zeros(len(HoldReason) - len(counts))
+            arrays["hold_counts"] = np.append(counts, more)
         missing = [name for name in names if name not in arrays]
         if missing:
             raise RunFolderError(f"{path}: lacks {', '.join(missing)}")

@@ -147,6 +147,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
             if reason is not HoldReason.NONE
         },
         "robot_hides_at_most": _most(log.keyframe_reach[:, 1]),
+        "hidden_skin_quality_at_least": _least(log.keyframe_reach[:, 2:].ravel()),
         "real_time_factor": log.real_time_factor,
         "versions": versions(),
         "seed": scenario.random_seed,

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from bath_drake.errors import RunFolderError
+from bath_drake.safety.hold import HoldReason
 from bath_drake.simulation_log import SimulationLog
 
 
@@ -45,3 +46,12 @@ def test_a_log_that_lacks_a_series_says_which(tmp_path):
     np.savez(path, time=np.zeros(3))
     with pytest.raises(RunFolderError, match="canonical_position"):
         SimulationLog.load(path)
+
+
+def test_a_log_from_before_there_were_as_many_reasons_to_hold_is_read(log, tmp_path):
+    path = tmp_path / "log.npz"
+    dataclasses.replace(log, hold_counts=np.array([0.0, 1.0, 2.0])).save(path)
+    counts = SimulationLog.load(path).hold_counts
+    assert len(counts) == len(HoldReason)
+    np.testing.assert_array_equal(counts[:3], [0.0, 1.0, 2.0])
+    assert not counts[3:].any()

@@ -97,7 +97,7 @@ def _scenario(options: argparse.Namespace) -> "Scenario":
 def _table(frames: Sequence["PerceivedFrame"]) -> str:
     lines = [
         "t_s,found,visible_fraction,area_m2,x_m,y_m,z_m,half_x_m,half_y_m,"
-        "restricted_areas"
+        "restricted_areas,hidden_share,hidden_quality"
     ]
     known = False
     for frame in frames:
@@ -107,7 +107,8 @@ def _table(frames: Sequence["PerceivedFrame"]) -> str:
         cells = [f"{number:.5f}" for number in numbers] or [""] * 5
         lines.append(
             f"{frame.t:.6f},{int(seen.found)},{seen.visible_fraction:.4f},"
-            f"{seen.area:.5f},{','.join(cells)},{len(frame.areas)}"
+            f"{seen.area:.5f},{','.join(cells)},{len(frame.areas)},"
+            f"{seen.hidden_share:.4f},{seen.completion_quality:.4f}"
         )
     return "\n".join(lines) + "\n"
 

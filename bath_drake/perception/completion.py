@@ -32,10 +32,12 @@ class BackTemplate:
     Attributes:
         points_P: (n, 3) its points in the frame P of its own canonical map.
         areas: (n,) surface each stands for, m^2.
+        seen_at: When it was, s.
     """
 
     points_P: FloatArray
     areas: FloatArray
+    seen_at: float
 
     def points_in_world(self, canonical_map: CanonicalMap) -> FloatArray:
         """Returns the points (n, 3) in W where the back is now."""

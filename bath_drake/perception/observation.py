@@ -86,20 +86,27 @@ def observe_body(
     found = bool(len(seen) >= config.min_pixels and fraction >= config.min_fraction)
     completed_W, completed_areas = previous.completed_points_W, previous.completed_areas
     template, tracked = previous.template, previous.tracked_map
+    # Where this frame shows no back, what was seen has grown older.
+    ages = previous.completed_ages + (stamp - previous.stamp)
     if found:
         if template is not None:
             rows, columns = indices.T
             behind = (rows >= 0) & robot_mask[rows, columns]
             hidden_W, hidden_areas = template_W[behind], template.areas[behind]
+            age = stamp - template.seen_at
         else:
             hidden_W, hidden_areas = _extrapolate(depth, visible, completed, view)
+            age = np.inf
         completed_W = np.concatenate([points_W, hidden_W])
         completed_areas = np.concatenate([point_areas, hidden_areas])
+        ages = np.repeat([0.0, age], [len(points_W), len(hidden_W)])
         tracked = fit_canonical_map(
             completed_W[::STRIDE], UP_W, p_WC, completed_areas[::STRIDE]
         )
         if not (morphology.dilate(visible, TOUCH) & robot_mask).any():
-            template = BackTemplate(tracked.plane_from_world(points_W), point_areas)
+            template = BackTemplate(
+                tracked.plane_from_world(points_W), point_areas, stamp
+            )
     rows, columns = np.divmod(seen, camera.width)
     return BodyObservation(
         stamp=stamp,
@@ -111,12 +118,14 @@ def observe_body(
         point_areas=point_areas,
         completed_points_W=completed_W,
         completed_areas=completed_areas,
+        completed_ages=ages,
         area=area,
         template=template,
         tracked_map=tracked,
         reference_area=reference,
         visible_fraction=fraction,
         found=found,
+        unfound_since=np.inf if found else min(previous.unfound_since, stamp),
         R_WC=R_WC,
         p_WC=p_WC,
     )

@@ -18,10 +18,15 @@ class HoldReason(IntEnum):
     SURFACE_UNSEEN = 4
     NO_JOINT_SOLUTION = 5
     UNSOUND_WORLD = 6
+    BODY_HIDDEN = 7
 
 
 # Two camera periods of 33 ms pass by themselves; the third is one too many.
 MAX_FRAME_AGE = 0.1
+
+# A body that too little has been seen of for so long, s, is lost; until then it is
+# hidden, by an arm that passes.
+LOST_TIME = 0.1
 
 
 def hold_reason(
@@ -29,6 +34,7 @@ def hold_reason(
     stamp: float,
     now: float,
     body_found: bool,
+    body_lost: bool,
     surface_found: bool,
     joint_solution: bool,
     world_sound: bool,
@@ -39,7 +45,8 @@ def hold_reason(
     Args:
         stamp: When the newest frame was taken, s; not finite before the first.
         now: The time, s. A frame from the future is as useless as an old one.
-        body_found: Whether enough of the body is visible.
+        body_found: Whether enough of the body is visible in the newest frame.
+        body_lost: Whether it has not been for longer than something passing by takes.
         surface_found: Whether the skin under the nozzle is.
         joint_solution: Whether inverse kinematics found a motion.
         world_sound: Whether the field with all sensed areas is proved free of traps.
@@ -52,7 +59,7 @@ def hold_reason(
     if not -rounding <= now - stamp <= max_frame_age + rounding:
         return HoldReason.STALE_FRAME
     if not body_found:
-        return HoldReason.BODY_LOST
+        return HoldReason.BODY_LOST if body_lost else HoldReason.BODY_HIDDEN
     if not surface_found:
         return HoldReason.SURFACE_UNSEEN
     if not world_sound:

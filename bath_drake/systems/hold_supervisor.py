@@ -5,7 +5,7 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from bath_drake.perception.body_observation import BodyObservation
-from bath_drake.safety.hold import MAX_FRAME_AGE, HoldReason, hold_reason
+from bath_drake.safety.hold import LOST_TIME, MAX_FRAME_AGE, HoldReason, hold_reason
 from bath_drake.systems._ports import drake_vector, eval_scalar, eval_value
 
 
@@ -30,14 +30,23 @@ class HoldSupervisor(LeafSystem):
     """
 
     def __init__(
-        self, *, max_frame_age: float = MAX_FRAME_AGE, period: float = 0.01
+        self,
+        *,
+        max_frame_age: float = MAX_FRAME_AGE,
+        lost_time: float = LOST_TIME,
+        period: float = 0.01,
     ) -> None:
-        """Declares the ports; raises ValueError unless both are positive."""
+        """Declares the ports; raises ValueError unless all three are positive."""
         super().__init__()
-        for name, value in (("max_frame_age", max_frame_age), ("period", period)):
+        for name, value in (
+            ("max_frame_age", max_frame_age),
+            ("lost_time", lost_time),
+            ("period", period),
+        ):
             if not 0.0 < value < float("inf"):
                 raise ValueError(f"{name} must be positive and finite, got {value}")
         self._max_frame_age = max_frame_age
+        self._lost_time = lost_time
         self._observation = self.DeclareAbstractInputPort(
             "body_observation", Value[object]()
         )
@@ -64,6 +73,7 @@ class HoldSupervisor(LeafSystem):
             stamp=observation.stamp,
             now=context.get_time(),
             body_found=observation.found,
+            body_lost=observation.lost(self._lost_time),
             surface_found=eval_scalar(self._surface, context) > 0.5,
             joint_solution=eval_scalar(self._ik, context) < 0.5,
             world_sound=eval_scalar(self._world, context) > 0.5,

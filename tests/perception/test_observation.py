@@ -101,6 +101,45 @@ def test_guessed_points_never_pass_for_visible_ones(draw_frame):
     assert not frame.robot_mask[rows, columns].any()
 
 
+def test_skin_that_the_robot_hides_grows_older(draw_frame):
+    clear = draw_frame().observe(stamp=1.0)
+    assert (clear.hidden_share, clear.completion_quality) == (0.0, 1.0)
+    robot = (-0.03, 0.03, -0.5, 0.0)
+    hidden = draw_frame(robot=robot).observe(previous=clear, stamp=3.0)
+    later = draw_frame(robot=robot).observe(previous=hidden, stamp=6.0)
+    for observation, age in ((hidden, 2.0), (later, 5.0)):
+        seen = len(observation.points_W)
+        assert not observation.completed_ages[:seen].any()
+        np.testing.assert_array_equal(observation.completed_ages[seen:], age)
+        assert observation.completion_quality == pytest.approx(np.exp(-age / 5.0))
+        # The robot is 6 of some 34 cm broad, and hides the lower half.
+        assert 0.05 < observation.hidden_share < 0.15
+    again = draw_frame().observe(previous=later, stamp=6.1)
+    assert (again.hidden_share, again.completion_quality) == (0.0, 1.0)
+
+
+def test_skin_never_seen_is_a_guess_of_no_quality(draw_frame):
+    first = draw_frame(robot=(-0.03, 0.03, -0.5, 0.0)).observe(stamp=1.0)
+    assert first.hidden_share > 0.05
+    assert first.completion_quality == 0.0
+    assert BodyObservation().completion_quality == 0.0
+
+
+def test_a_body_is_lost_after_a_tenth_of_a_second_out_of_sight(draw_frame):
+    observation = draw_frame().observe(stamp=1.0)
+    dark = draw_frame()
+    dark.depth[:] = np.nan
+    lost = []
+    for k in range(1, 6):
+        observation = dark.observe(previous=observation, stamp=1.0 + k / 30.0)
+        assert not observation.found
+        lost.append(observation.lost(0.1))
+        np.testing.assert_allclose(observation.completed_ages, k / 30.0)
+    # Out of sight since the first dark frame, for 0, 33, 67, 100 and 133 ms.
+    assert lost == [False, False, False, True, True]
+    assert not draw_frame().observe(previous=observation, stamp=1.3).lost(0.1)
+
+
 def _true_map(frame):
     vertices, faces, label = frame.mesh
     corners = frame.X_WM.multiply(vertices.T).T[faces[(label[faces] == 1).all(axis=1)]]

@@ -10,6 +10,7 @@ WELL = {
     "stamp": 1.0,
     "now": 1.03,
     "body_found": True,
+    "body_lost": False,
     "surface_found": True,
     "joint_solution": True,
     "world_sound": True,
@@ -27,7 +28,8 @@ def test_nothing_holds_a_robot_that_sees_well():
         ({"stamp": math.nan}, HoldReason.NO_FRAME),
         ({"now": 1.0 + MAX_FRAME_AGE + 1e-3}, HoldReason.STALE_FRAME),
         ({"now": 0.9}, HoldReason.STALE_FRAME),
-        ({"body_found": False}, HoldReason.BODY_LOST),
+        ({"body_found": False}, HoldReason.BODY_HIDDEN),
+        ({"body_found": False, "body_lost": True}, HoldReason.BODY_LOST),
         ({"surface_found": False}, HoldReason.SURFACE_UNSEEN),
         ({"joint_solution": False}, HoldReason.NO_JOINT_SOLUTION),
         ({"world_sound": False}, HoldReason.UNSOUND_WORLD),
@@ -41,17 +43,19 @@ def test_each_lack_holds_for_its_own_reason(change, reason):
     stamp=st.floats(allow_nan=True, allow_infinity=True),
     now=st.floats(0.0, 1e6),
     body=st.booleans(),
+    lost=st.booleans(),
     surface=st.booleans(),
     joints=st.booleans(),
     world=st.booleans(),
 )
 def test_it_moves_only_if_all_is_well_and_fresh(
-    stamp, now, body, surface, joints, world
+    stamp, now, body, lost, surface, joints, world
 ):
     reason = hold_reason(
         stamp=stamp,
         now=now,
         body_found=body,
+        body_lost=lost,
         surface_found=surface,
         joint_solution=joints,
         world_sound=world,

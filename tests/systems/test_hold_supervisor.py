@@ -38,7 +38,12 @@ def test_the_robot_moves_while_all_is_well(dut, context):
         ("body_observation", BodyObservation(), HoldReason.NO_FRAME),
         (
             "body_observation",
-            dataclasses.replace(SEEN, found=False),
+            dataclasses.replace(SEEN, found=False, unfound_since=0.98),
+            HoldReason.BODY_HIDDEN,
+        ),
+        (
+            "body_observation",
+            dataclasses.replace(SEEN, found=False, unfound_since=0.9),
             HoldReason.BODY_LOST,
         ),
         ("surface_status", [0.0], HoldReason.SURFACE_UNSEEN),
@@ -61,6 +66,7 @@ def test_a_frame_grows_stale_as_time_goes_by_and_is_counted_once(dut, context):
     np.testing.assert_array_equal(counts, expected)
 
 
-def test_its_numbers_must_be_positive():
-    with pytest.raises(ValueError, match="max_frame_age"):
-        HoldSupervisor(max_frame_age=0.0)
+@pytest.mark.parametrize("name", ["max_frame_age", "lost_time", "period"])
+def test_its_numbers_must_be_positive(name):
+    with pytest.raises(ValueError, match=name):
+        HoldSupervisor(**{name: 0.0})
