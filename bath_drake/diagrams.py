@@ -45,6 +45,7 @@ LOGGED_PORTS = (
     ("approach_sequencer", "phase"),
     ("approach_sequencer", "standoff"),
     ("hold_supervisor", "hold_reason"),
+    ("canonical_projector", "rejected_frames"),
     ("certificate_monitor", "certificate_verdict"),
     ("certificate_monitor", "certificate_seconds"),
     ("certificate_monitor", "certified_start"),
@@ -227,6 +228,12 @@ def _close_loop(
             )
             if name in control
         ],
+    )
+    connect(
+        builder,
+        perception["canonical_projector"],
+        "map_status",
+        [control["hold_supervisor"]],
     )
     connect(
         builder,

@@ -66,6 +66,7 @@ def export_perception(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
     for system, port in (
         ("body_segmenter", "body_observation"),
         ("canonical_projector", "canonical_map"),
+        ("canonical_projector", "rejected_frames"),
         ("restricted_area_detector", "sensed_obstacles"),
     ):
         builder.ExportOutput(systems[system].GetOutputPort(port), port)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
@@ -38,12 +39,14 @@ class PerceivedFrame:
         observation: Of this frame.
         canonical_map: As smoothed until now; says nothing before a back was found.
         areas: The restricted areas seen so far.
+        rejected: How many frames' maps were no body's, so far.
     """
 
     t: float
     observation: BodyObservation
     canonical_map: CanonicalMap
     areas: ObstacleSet
+    rejected: int
 
 
 def look_period(recording: RgbdFolder) -> float:
@@ -109,21 +112,29 @@ def perceive(
     context = simulator.get_context()
     ports = [
         diagram.GetOutputPort(name)
-        for name in ("body_observation", "canonical_map", "sensed_obstacles")
+        for name in (
+            "body_observation",
+            "canonical_map",
+            "sensed_obstacles",
+            "rejected_frames",
+        )
     ]
     period = look_period(recording)
     last = recording.files[-1].t - recording.files[0].t
     frames: list[PerceivedFrame] = []
     for look in range(int(np.ceil(last / period - 1e-6)) + 1):
         simulator.AdvanceTo(look * period + _LAG_S)
-        observation, canonical_map, areas = (port.Eval(context) for port in ports)
+        values: list[Any] = [port.Eval(context) for port in ports]
+        observation, canonical_map, areas, rejected = values
         assert isinstance(observation, BodyObservation)
         assert isinstance(canonical_map, CanonicalMap)
         assert isinstance(areas, ObstacleSet)
         if frames and observation.stamp <= frames[-1].t:
             continue
         frames.append(
-            PerceivedFrame(observation.stamp, observation, canonical_map, areas)
+            PerceivedFrame(
+                observation.stamp, observation, canonical_map, areas, int(rejected[0])
+            )
         )
         if progress is not None:
             progress(len(frames), len(recording))

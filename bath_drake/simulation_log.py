@@ -29,6 +29,8 @@ class SimulationLog:
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
         hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
+        rejected_frames: (T,) how many frames showed a map that no body can have come
+            to; zero in older logs.
         certificate_verdict: (T,) a `bath_drake.control.certified_world.WorldVerdict`
             each: of the world in force.
         certificate_seconds: (T,) what its proof took, s.
@@ -67,6 +69,7 @@ class SimulationLog:
     phase: FloatArray
     standoff: FloatArray
     hold_reason: FloatArray
+    rejected_frames: FloatArray
     certificate_verdict: FloatArray
     certificate_seconds: FloatArray
     certified_start: FloatArray
@@ -112,9 +115,10 @@ class SimulationLog:
         except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise RunFolderError(f"{path}: not a readable log ({error})") from error
         if "canonical_reference" in arrays:
-            # Logs from before there was periodic motion have no such series.
+            # Logs from before there were such series.
             none = np.zeros_like(arrays["canonical_reference"])
             arrays.setdefault("canonical_offset", none)
+            arrays.setdefault("rejected_frames", np.zeros(len(none)))
         counts = arrays.get("hold_counts")
         if counts is not None and counts.ndim == 1 and len(counts) < len(HoldReason):
             # And those from before fewer reasons to hold.

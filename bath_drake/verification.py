@@ -141,6 +141,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
             period=1.0 / scenario.perception.camera_rate,
             count=int(log.frames),
         ),
+        "rejected_frames": int(log.rejected_frames.max(initial=0.0)),
         "holds": {
             reason.name.lower(): int(count)
             for reason, count in zip(HoldReason, log.hold_counts, strict=True)

@@ -106,7 +106,12 @@ def test_perception_exports_what_it_makes(name):
     ports = [
         diagram.get_output_port(k).get_name() for k in range(diagram.num_output_ports())
     ]
-    assert ports == ["body_observation", "canonical_map", "sensed_obstacles"]
+    assert ports == [
+        "body_observation",
+        "canonical_map",
+        "rejected_frames",
+        "sensed_obstacles",
+    ]
     assert diagram.num_input_ports() == 0
     assert diagram.get_name() == "perception"
 

@@ -97,7 +97,7 @@ def _scenario(options: argparse.Namespace) -> "Scenario":
 def _table(frames: Sequence["PerceivedFrame"]) -> str:
     lines = [
         "t_s,found,visible_fraction,area_m2,x_m,y_m,z_m,half_x_m,half_y_m,"
-        "restricted_areas,hidden_share,hidden_quality"
+        "restricted_areas,hidden_share,hidden_quality,rejected_frames"
     ]
     known = False
     for frame in frames:
@@ -108,7 +108,8 @@ def _table(frames: Sequence["PerceivedFrame"]) -> str:
         lines.append(
             f"{frame.t:.6f},{int(seen.found)},{seen.visible_fraction:.4f},"
             f"{seen.area:.5f},{','.join(cells)},{len(frame.areas)},"
-            f"{seen.hidden_share:.4f},{seen.completion_quality:.4f}"
+            f"{seen.hidden_share:.4f},{seen.completion_quality:.4f},"
+            f"{frame.rejected}"
         )
     return "\n".join(lines) + "\n"
 
@@ -131,6 +132,7 @@ def _summary(
             f"at last:  {wide:.1f} x {tall:.1f} cm at {x:.3f}, {y:.3f}, {z:.3f} m, "
             f"{area:.0f} cm2 of skin in sight",
             f"areas:    {len(frames[-1].areas)} restricted",
+            f"jumps:    {frames[-1].rejected} frames not believed",
         ]
     else:
         lines.append(

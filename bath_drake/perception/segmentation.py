@@ -8,6 +8,7 @@ import numpy as np
 from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception import morphology
 from bath_drake.perception.canonical import (
+    LEVEL,
     MIN_POINTS,
     edges_by_level,
     principal_frame,
@@ -262,15 +263,40 @@ def _trimmed(
         return np.zeros_like(torso)
     across, along = (points_W.reshape(-1, 3)[chosen] @ R_WP[:, :2]).T
     level, left, right = edges_by_level(along, across)
-    broad = right - left >= config.min_breadth * (right - left).max()
+    breadth = np.maximum(right - left, 0.0)
+    least = config.min_breadth * breadth.max()
     if robot_mask.any():
         # Where the robot touches the back its breadth is unknown, its end expected.
         touched = morphology.dilate(robot_mask, ROBOT_RIM).ravel()[chosen]
         known = (along >= span[0]) & (along <= span[1])
-        broad[level[touched & known]] = True
-    broad = np.flatnonzero(broad)
-    torso.ravel()[chosen[(level < broad[0]) | (level > broad[-1])]] = False
+        unknown = level[touched & known]
+        breadth[unknown] = np.maximum(breadth[unknown], least)
+    low, high = _broad_span(breadth, least)
+    height = along - along.min()
+    torso.ravel()[chosen[(height < low) | (height > high)]] = False
     return torso
+
+
+def _broad_span(breadth: FloatArray, least: float) -> tuple[float, float]:
+    """Returns the heights, m, between which a back is as broad as said.
+
+    Between the last level that is and the next the breadth is taken to fall evenly: a
+    back that ends at whole levels would jump by one of them from frame to frame.
+
+    Args:
+        breadth: (m,) of the levels from the lowest, m.
+        least: m; some level is as broad.
+    """
+    broad = np.flatnonzero(breadth >= least)
+    ends = []
+    for end, step in ((broad[0], -1), (broad[-1], 1)):
+        beyond = end + step
+        if not 0 <= beyond < len(breadth):
+            ends.append(step * np.inf)
+            continue
+        share = (breadth[end] - least) / (breadth[end] - breadth[beyond])
+        ends.append((end + 0.5 + step * share) * LEVEL)
+    return ends[0], ends[1]
 
 
 def _with_small_holes(

@@ -309,7 +309,7 @@ def _chain_figures(run: RunData) -> ChainFigures:
         camera=f"{int(log.frames)} frames",
         camera_kind=_camera_kind(run.scenario.scene.camera),
         segmenter=f"{100 * reach[0]:.0f} % of it visible",
-        projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm",
+        projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm{_jumps(m)}",
         controller=beta,
         obstacles=f"{chain.obstacle_count} ellipses, {shape}",
         areas=f"{sensed} found",
@@ -319,6 +319,11 @@ def _chain_figures(run: RunData) -> ChainFigures:
         arm=f"{number(m.get('surface_error_mm', {}).get('mean'))} mm off",
         tracker=f"{number(_lag(run))} mm behind",
     )
+
+
+def _jumps(metrics: dict[str, Any]) -> str:
+    rejected = metrics.get("rejected_frames", 0)
+    return f", {rejected} jumps refused" if rejected else ""
 
 
 def _camera_kind(camera: CameraConfig) -> str:

@@ -19,6 +19,7 @@ class HoldReason(IntEnum):
     NO_JOINT_SOLUTION = 5
     UNSOUND_WORLD = 6
     BODY_HIDDEN = 7
+    BODY_JUMPED = 8
 
 
 # Two camera periods of 33 ms pass by themselves; the third is one too many.
@@ -35,6 +36,7 @@ def hold_reason(
     now: float,
     body_found: bool,
     body_lost: bool,
+    map_believed: bool,
     surface_found: bool,
     joint_solution: bool,
     world_sound: bool,
@@ -47,6 +49,7 @@ def hold_reason(
         now: The time, s. A frame from the future is as useless as an old one.
         body_found: Whether enough of the body is visible in the newest frame.
         body_lost: Whether it has not been for longer than something passing by takes.
+        map_believed: Whether it is where a body can have come to since.
         surface_found: Whether the skin under the nozzle is.
         joint_solution: Whether inverse kinematics found a motion.
         world_sound: Whether the field with all sensed areas is proved free of traps.
@@ -60,6 +63,8 @@ def hold_reason(
         return HoldReason.STALE_FRAME
     if not body_found:
         return HoldReason.BODY_LOST if body_lost else HoldReason.BODY_HIDDEN
+    if not map_believed:
+        return HoldReason.BODY_JUMPED
     if not surface_found:
         return HoldReason.SURFACE_UNSEEN
     if not world_sound:

@@ -4,7 +4,13 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    EventStatus,
+    LeafSystem,
+    State,
+)
 
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import (
@@ -12,9 +18,10 @@ from bath_drake.perception.canonical import (
     CanonicalMap,
     fit_canonical_map,
 )
-from bath_drake.perception.map_filter import MapFilter
+from bath_drake.perception.jump_gate import GateState, JumpGate, Verdict
+from bath_drake.perception.map_filter import MapFilter, SmoothMap
 from bath_drake.perception.segmentation import UP_W
-from bath_drake.systems._ports import eval_value
+from bath_drake.systems._ports import eval_value, set_vector
 
 # After the segmenter's frame, so that it is this very frame that is looked at:
 # updates of one instant all see the state before it.
@@ -36,18 +43,30 @@ class CanonicalProjector(LeafSystem):
         - body_observation
         output_ports:
         - canonical_map
+        - map_status
+        - rejected_frames
 
-    The state is the smoothed map and the stamp of the frame it knows. While the
-    body is lost the map stays as it is. Before the first frame that shows it, it is
-    `unknown_map`, which says nothing: whoever moves the robot holds it then.
+    The state is the smoothed map, the stamp of the frame it knows and what the gate
+    remembers. While the body is lost the map stays as it is. Before the first frame
+    that shows it, it is `unknown_map`, which says nothing: whoever moves the robot
+    holds it then. A frame whose map jumps further than a body can is not believed:
+    `map_status` is 0 until one is again, and 1 otherwise; `rejected_frames` counts
+    them.
     """
 
-    def __init__(self, *, period: float, smoothing: MapFilter | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        period: float,
+        smoothing: MapFilter | None = None,
+        gate: JumpGate | None = None,
+    ) -> None:
         """Declares ports and state.
 
         Args:
             period: Of the camera, s.
-            smoothing: Time constants; None for the default ones.
+            smoothing: How frames are smoothed; None for the default.
+            gate: What jumps are refused; None for the default.
 
         Raises:
             ValueError: If the period is not positive and finite.
@@ -56,18 +75,23 @@ class CanonicalProjector(LeafSystem):
         if not 0.0 < period < float("inf"):
             raise ValueError(f"period must be positive and finite, got {period}")
         self._filter = MapFilter() if smoothing is None else smoothing
+        self._gate = JumpGate() if gate is None else gate
         self._observation = self.DeclareAbstractInputPort(
             "body_observation", Value(BodyObservation())
         )
         self._map = self.DeclareAbstractState(Value(unknown_map()))
+        self._smooth = self.DeclareAbstractState(Value(SmoothMap(unknown_map())))
+        self._memory = self.DeclareAbstractState(Value(GateState()))
         self._stamp = self.DeclareAbstractState(Value[object](-np.inf))
         self.DeclareStateOutputPort("canonical_map", self._map)
+        memory = {self.abstract_state_ticket(self._memory)}
+        self.DeclareVectorOutputPort("map_status", 1, self._calc_status, memory)
+        self.DeclareVectorOutputPort("rejected_frames", 1, self._calc_count, memory)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, FRAME_DELAY_S, self._look)
 
     def _look(self, context: Context, state: State) -> EventStatus:
         observation = eval_value(self._observation, context, BodyObservation)
-        last: Any = context.get_abstract_state(int(self._stamp))
-        elapsed = observation.stamp - float(last.get_value())
+        elapsed = observation.stamp - self._kept(context, self._stamp)
         enough = len(observation.completed_points_W) >= MIN_POINTS
         if not (observation.found and enough and elapsed > 0.0):
             return EventStatus.DidNothing()
@@ -77,9 +101,34 @@ class CanonicalProjector(LeafSystem):
             observation.p_WC,
             observation.completed_areas,
         )
-        if np.isfinite(elapsed):
-            smooth: Any = context.get_abstract_state(int(self._map))
-            seen = self._filter.next(smooth.get_value(), seen, elapsed)
-        state.get_mutable_abstract_state(int(self._map)).set_value(seen)
-        state.get_mutable_abstract_state(int(self._stamp)).set_value(observation.stamp)
+        memory, verdict = self._gate.next(
+            self._kept(context, self._memory), seen, observation.stamp
+        )
+        _keep(state, self._memory, memory)
+        if verdict is Verdict.REJECTED:
+            return EventStatus.Succeeded()
+        if verdict is Verdict.RELOCKED:
+            smooth = self._filter.start(seen)
+        else:
+            smooth = self._filter.next(self._kept(context, self._smooth), seen, elapsed)
+        _keep(state, self._smooth, smooth)
+        _keep(state, self._map, smooth.canonical_map)
+        _keep(state, self._stamp, observation.stamp)
         return EventStatus.Succeeded()
+
+    def _calc_status(self, context: Context, output: BasicVector) -> None:
+        memory: GateState = self._kept(context, self._memory)
+        set_vector(output, [float(memory.rival is None)])
+
+    def _calc_count(self, context: Context, output: BasicVector) -> None:
+        memory: GateState = self._kept(context, self._memory)
+        set_vector(output, [float(memory.rejected)])
+
+    @staticmethod
+    def _kept(context: Context, index: Any) -> Any:
+        held: Any = context.get_abstract_state(int(index))
+        return held.get_value()
+
+
+def _keep(state: State, index: Any, value: object) -> None:
+    state.get_mutable_abstract_state(int(index)).set_value(value)

@@ -17,6 +17,7 @@ class HoldSupervisor(LeafSystem):
         name: HoldSupervisor
         input_ports:
         - body_observation
+        - map_status
         - surface_status
         - ik_status
         - world_status
@@ -50,10 +51,11 @@ class HoldSupervisor(LeafSystem):
         self._observation = self.DeclareAbstractInputPort(
             "body_observation", Value[object]()
         )
+        self._map = self.DeclareVectorInputPort("map_status", 1)
         self._surface = self.DeclareVectorInputPort("surface_status", 1)
         self._ik = self.DeclareVectorInputPort("ik_status", 1)
         self._world = self.DeclareVectorInputPort("world_status", 1)
-        inputs = (self._observation, self._surface, self._ik, self._world)
+        inputs = (self._observation, self._map, self._surface, self._ik, self._world)
         tickets = {self.input_port_ticket(port.get_index()) for port in inputs}
         tickets.add(self.time_ticket())
         self.DeclareVectorOutputPort("hold", 1, self._calc_hold, tickets)
@@ -74,6 +76,7 @@ class HoldSupervisor(LeafSystem):
             now=context.get_time(),
             body_found=observation.found,
             body_lost=observation.lost(self._lost_time),
+            map_believed=eval_scalar(self._map, context) > 0.5,
             surface_found=eval_scalar(self._surface, context) > 0.5,
             joint_solution=eval_scalar(self._ik, context) < 0.5,
             world_sound=eval_scalar(self._world, context) > 0.5,

@@ -11,6 +11,7 @@ WELL = {
     "now": 1.03,
     "body_found": True,
     "body_lost": False,
+    "map_believed": True,
     "surface_found": True,
     "joint_solution": True,
     "world_sound": True,
@@ -30,6 +31,7 @@ def test_nothing_holds_a_robot_that_sees_well():
         ({"now": 0.9}, HoldReason.STALE_FRAME),
         ({"body_found": False}, HoldReason.BODY_HIDDEN),
         ({"body_found": False, "body_lost": True}, HoldReason.BODY_LOST),
+        ({"map_believed": False}, HoldReason.BODY_JUMPED),
         ({"surface_found": False}, HoldReason.SURFACE_UNSEEN),
         ({"joint_solution": False}, HoldReason.NO_JOINT_SOLUTION),
         ({"world_sound": False}, HoldReason.UNSOUND_WORLD),
@@ -44,18 +46,20 @@ def test_each_lack_holds_for_its_own_reason(change, reason):
     now=st.floats(0.0, 1e6),
     body=st.booleans(),
     lost=st.booleans(),
+    believed=st.booleans(),
     surface=st.booleans(),
     joints=st.booleans(),
     world=st.booleans(),
 )
 def test_it_moves_only_if_all_is_well_and_fresh(
-    stamp, now, body, lost, surface, joints, world
+    stamp, now, body, lost, believed, surface, joints, world
 ):
     reason = hold_reason(
         stamp=stamp,
         now=now,
         body_found=body,
         body_lost=lost,
+        map_believed=believed,
         surface_found=surface,
         joint_solution=joints,
         world_sound=world,

@@ -65,12 +65,35 @@ def test_a_later_map_is_that_of_the_pure_filter(observation):
     moved = dataclasses.replace(
         observation,
         stamp=PERIOD,
-        completed_points_W=observation.completed_points_W + np.full(3, 0.02),
+        completed_points_W=observation.completed_points_W + np.full(3, 0.01),
     )
     context = simulator.get_mutable_context()
     dut.GetInputPort("body_observation").FixValue(context, Value(moved))
-    expected = MapFilter().next(first, _fitted(moved), PERIOD)
-    _assert_same(_map(dut, simulator, PERIOD + 0.01), expected)
+    smoothing = MapFilter()
+    known = smoothing.start(_fitted(observation))
+    _assert_same(first, known.canonical_map)
+    expected = smoothing.next(known, _fitted(moved), PERIOD)
+    _assert_same(_map(dut, simulator, PERIOD + 0.01), expected.canonical_map)
+
+
+def test_a_jump_is_not_believed_and_counted(observation):
+    dut, simulator = _projector(observation)
+    first = _map(dut, simulator, 0.01)
+    context = simulator.get_mutable_context()
+    status, count = (dut.GetOutputPort(n) for n in ("map_status", "rejected_frames"))
+    assert (status.Eval(context)[0], count.Eval(context)[0]) == (1.0, 0.0)
+    far = observation.completed_points_W + np.full(3, 0.3)
+    for k, points in ((1, far), (2, far), (3, observation.completed_points_W)):
+        seen = dataclasses.replace(
+            observation, stamp=k * PERIOD, completed_points_W=points
+        )
+        dut.GetInputPort("body_observation").FixValue(context, Value(seen))
+        now = _map(dut, simulator, k * PERIOD + 0.01)
+        jumped = k < 3
+        assert status.Eval(context)[0] == float(not jumped)
+        assert count.Eval(context)[0] == min(k, 2)
+        if jumped:
+            _assert_same(now, first)
 
 
 def test_one_frame_counts_once(observation):

@@ -21,6 +21,7 @@ def context(dut):
     context = dut.CreateDefaultContext()
     context.SetTime(1.02)
     dut.GetInputPort("body_observation").FixValue(context, SEEN)
+    dut.GetInputPort("map_status").FixValue(context, [1.0])
     dut.GetInputPort("surface_status").FixValue(context, [1.0])
     dut.GetInputPort("ik_status").FixValue(context, [0.0])
     dut.GetInputPort("world_status").FixValue(context, [1.0])
@@ -46,6 +47,7 @@ def test_the_robot_moves_while_all_is_well(dut, context):
             dataclasses.replace(SEEN, found=False, unfound_since=0.9),
             HoldReason.BODY_LOST,
         ),
+        ("map_status", [0.0], HoldReason.BODY_JUMPED),
         ("surface_status", [0.0], HoldReason.SURFACE_UNSEEN),
         ("ik_status", [1.0], HoldReason.NO_JOINT_SOLUTION),
         ("world_status", [0.0], HoldReason.UNSOUND_WORLD),

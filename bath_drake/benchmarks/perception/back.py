@@ -22,7 +22,7 @@ from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
-from bath_drake.perception.map_filter import MapFilter
+from bath_drake.perception.map_filter import MapFilter, SmoothMap
 from bath_drake.perception.observation import observe_body
 from bath_drake.perception.pixels import points_in_world
 from bath_drake.perception.segmentation import UP_W, segment_back
@@ -92,7 +92,7 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
     found = Measured()
     places = _places(TrueSkin(film.person))
     previous: BodyObservation | None = None
-    smooth: CanonicalMap | None = None
+    smooth: SmoothMap | None = None
     smoothing = MapFilter()
     for frame in film.frames(times):
         begin = time.perf_counter()
@@ -108,12 +108,15 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
             previous.p_WC,
             previous.completed_areas,
         )
-        smooth = seen if smooth is None else smoothing.next(smooth, seen, period)
+        if smooth is None:
+            smooth = smoothing.start(seen)
+        else:
+            smooth = smoothing.next(smooth, seen, period)
         corners, weights = places
         bent = frame.skin.bent
         assert bent is not None  # a film's skin always says where it is
         now_W = frame.in_world(np.einsum("nk,nki->ni", weights, bent[corners]))
-        found.coordinates.append(smooth.canonical_from_world(now_W))
+        found.coordinates.append(smooth.canonical_map.canonical_from_world(now_W))
         found.plain.append(seen.canonical_from_world(now_W))
         if len(found.coordinates) % 5:
             continue
