@@ -103,49 +103,6 @@ def behind_jump(
 
 
 @njit(cache=True)
-def grown_along(
-    points: FloatArray, mask: BoolArray, allowed: BoolArray, limit: float, steps: int
-) -> BoolArray:
-    """Returns the mask and the allowed pixels that a surface joins to it.
-
-    Args:
-        points: (H, W, 3), metres.
-        mask: (H, W).
-        allowed: (H, W) pixels that may be added.
-        limit: Neighbours further apart than this are not joined, metres.
-        steps: How far it grows, pixels.
-    """
-    rows, columns, _ = points.shape
-    grown = mask.copy()
-    edge = np.empty((rows * columns, 2), dtype=np.int64)
-    begin = count = 0
-    for v in range(rows):
-        for u in range(columns):
-            if mask[v, u]:
-                edge[count, 0], edge[count, 1] = v, u
-                count += 1
-    for _ in range(steps):
-        end = count
-        for i in range(begin, end):
-            v, u = edge[i, 0], edge[i, 1]
-            for k in range(4):
-                y, x = v + (0, 0, 1, -1)[k], u + (1, -1, 0, 0)[k]
-                if not (0 <= y < rows and 0 <= x < columns):
-                    continue
-                if grown[y, x] or not allowed[y, x]:
-                    continue
-                d2 = 0.0
-                for c in range(3):
-                    d2 += (points[y, x, c] - points[v, u, c]) ** 2
-                if d2 <= limit * limit:
-                    grown[y, x] = True
-                    edge[count, 0], edge[count, 1] = y, x
-                    count += 1
-        begin = end
-    return grown
-
-
-@njit(cache=True)
 def column_steps(points: FloatArray, mask: BoolArray) -> FloatArray:
     """Returns the distances (n,), m, of horizontal neighbours both in the mask."""
     rows, columns, _ = points.shape

@@ -18,7 +18,6 @@ from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
     facing_along,
-    grown_along,
     inside_box,
     pixel_normals,
 )
@@ -62,8 +61,6 @@ class SegmentationConfig:
         torso_radius: The torso is what a disc of at least this radius covers.
         torso_share: The disc's radius as a share of that of the largest disc
             inside the skin: the shoulders of stout people are stouter too.
-        rim: So much of the body's edge, which had to stay out for the arms to be told
-            from the flanks, is taken back in along the surface.
         min_pixels: Fewer visible pixels are no back.
         min_fraction: A smaller share of the largest area seen is no back.
 
@@ -83,7 +80,6 @@ class SegmentationConfig:
     min_breadth: float = 0.5
     torso_radius: float = 0.075
     torso_share: float = 0.52
-    rim: float = 0.01
     min_pixels: int = 400
     min_fraction: float = 0.3
 
@@ -105,7 +101,7 @@ class SegmentationConfig:
             raise ValueError(
                 f"min_pixels must be at least {4 * MIN_POINTS}, got {self.min_pixels}"
             )
-        for name in ("gap_radius", "hole_area", "rim"):
+        for name in ("gap_radius", "hole_area"):
             if not getattr(self, name) >= 0.0:
                 raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
         for name in ("min_saturation", "min_value", "min_fraction"):
@@ -200,8 +196,7 @@ def _segment(
     # Beside the robot a jump is the robot's, not the body's edge.
     jumps = behind_jump(points_W, boxed, config.jump)
     solid = boxed & ~(jumps & ~morphology.dilate(robot_mask, ROBOT_RIM))
-    coloured = skin_mask(colour, config)
-    skin = morphology.opened(solid & coloured, 1.0)
+    skin = morphology.opened(solid & skin_mask(colour, config), 1.0)
     pitch = pixel_pitch(points_W, skin)
     if not pitch > 0.0:
         return nothing, nothing
@@ -219,9 +214,6 @@ def _segment(
     torso = morphology.stoutest_part(
         skin, config.torso_radius / pitch, config.torso_share
     )
-    # The body's own edge had to stay out for the arms to be told from the flanks.
-    rim = round(config.rim / pitch)
-    torso = grown_along(points_W, torso, boxed & coloured, config.jump, rim)
     visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config, expected)
     if expected is None:
         hidden = _hidden(robot_mask, visible)

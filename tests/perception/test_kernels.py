@@ -17,7 +17,6 @@ from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
     facing_along,
-    grown_along,
     pixel_normals,
 )
 from bath_drake.perception.restricted import LEAST_BRIGHTNESS, relative_brightness
@@ -139,22 +138,6 @@ def test_jumps_are_looked_for_past_a_lost_pixel_or_two(lost):
     assert jumps[:, 7].all()
     assert jumps[:, 8 + lost].all()
     assert not jumps[:, :7].any()
-
-
-def test_a_mask_grows_along_the_surface_and_not_over_a_jump():
-    points, allowed = _slope()
-    points[:, 12:, 2] += 0.5
-    allowed[5] = False
-    mask = np.zeros_like(allowed)
-    mask[:, 8] = True
-    grown = grown_along(points, mask, allowed, 0.02, 2)
-    expected = np.zeros_like(mask)
-    expected[:, 6:11] = True
-    expected[5] = mask[5]
-    np.testing.assert_array_equal(grown, expected)
-    # However far it may go, the jump stops it.
-    assert not grown_along(points, mask, allowed, 0.02, 50)[:, 12:].any()
-    np.testing.assert_array_equal(grown_along(points, mask, allowed, 0.02, 0), mask)
 
 
 @pytest.mark.parametrize("limit", [-0.5, 0.0, 0.7, 0.95])

@@ -53,9 +53,6 @@ class View:
         self.config = SegmentationConfig(
             box_low_W=np.full(3, -reach),
             box_high_W=np.full(3, reach),
-            # A recording is long enough to do without the last centimetre of flanks,
-            # which on a shoulder is the arm's and makes the back too broad.
-            rim=0.0,
         )
 
     def points_C(self, depth: FloatArray) -> FloatArray:
