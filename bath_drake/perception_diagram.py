@@ -48,7 +48,9 @@ def add_perception(
             ),
             "canonical_projector": CanonicalProjector(period=period),
             "restricted_area_detector": RestrictedAreaDetector(
-                margin=scenario.perception.area_margin, period=period
+                margin=scenario.perception.area_margin,
+                period=period,
+                given=scenario.perception.restricted_areas,
             ),
         },
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from bath_drake.control.approach import ApproachLimits
 from bath_drake.errors import ScenarioError
+from bath_drake.perception.given_areas import check_polygon
 from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.resources import diagrams_folder, models_folder
 from bath_drake.safety.hold import MAX_FRAME_AGE
@@ -29,6 +30,8 @@ class PerceptionConfig:
     patch_radius: float = 0.03  # m, of the quadric fit
     # m, added around a restricted area: the jet's radius and the loop's error.
     area_margin: float = 0.02
+    # Polygons of canonical corners [x, y] that the carer wants kept off.
+    restricted_areas: list[list[list[float]]] = field(default_factory=list)
 
 
 @dataclass(kw_only=True)
@@ -118,6 +121,13 @@ def check_scenario(scenario: Scenario) -> None:
             f"allowed less than control.standoff ({scenario.control.standoff})"
         )
     approach_limits(scenario)
+    for k, corners in enumerate(scenario.perception.restricted_areas):
+        try:
+            check_polygon(corners)
+        except ValueError as error:
+            raise ValueError(
+                f"perception.restricted_areas: polygon {k + 1}: {error}"
+            ) from error
     try:
         segmentation(scenario)
     except ValueError as error:

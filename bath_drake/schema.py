@@ -28,9 +28,10 @@ class Completed(Protocol):
 def fill(schema: type[T], block: Block) -> T:
     """Returns an instance of `schema` with the block's values in place of defaults.
 
-    Fields may be bool, int, float, str, lists of those, lists of lists of floats, other
-    such dataclasses, and any of them or None (`X | None`). A schema with a method
-    `complete` (see `Completed`) says itself what follows from the values given.
+    Fields may be bool, int, float, str, lists of those, lists of lists of floats or of
+    such lists, other such dataclasses, and any of them or None (`X | None`). A schema
+    with a method `complete` (see `Completed`) says itself what follows from the values
+    given.
 
     Args:
         schema: A dataclass whose every field has a default.
@@ -65,6 +66,8 @@ def _take(block: Block, key: str, kind: Any) -> Any:
         (kind,) = (k for k in alternatives if k is not NoneType)
     if is_dataclass(kind):
         return fill(kind, block.take_block(key))  # type: ignore[arg-type]
+    if kind == list[list[list[float]]]:
+        return block.take_matrices(key)
     if get_origin(kind) is list and get_origin(get_args(kind)[0]) is list:
         return block.take_rows(key, None, None)
     if get_origin(kind) is list:

@@ -52,8 +52,8 @@ class Evaluation:
             while the person is at rest, m.
         normals_M: (n, 3) true outward normals there.
         clearance_mm: (n,) washed point to the nearest wound along the back, less
-            than zero inside one; None without wounds.
-        wound_polygons_N: Outlines (m, 2) of the wounds in true canonical space.
+            than zero inside one; None without wounds and given areas.
+        wound_polygons_N: Outlines (m, 2) of wounds and given areas, in true N.
         mean_demonstration: (T, 2) of the skill's demonstrations.
         rollout: (T, 2) of the skill, no simulator.
         world: The world the run ended in, certified anew.
@@ -108,8 +108,11 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         skin.canonical_map.plane_from_world(outline)[:, :2]
         for outline in wound_outlines(scenario, person)
     ]
-    clearance = _clearance(skin.canonical_map.plane_from_world(hits)[:, :2], outlines)
     half = skin.canonical_map.half_extents
+    outlines += [
+        np.array(corners) * half for corners in scenario.perception.restricted_areas
+    ]
+    clearance = _clearance(skin.canonical_map.plane_from_world(hits)[:, :2], outlines)
     path = chain_rollout(skill.start, skill.chain).path
     surface_error = (distance - scenario.control.standoff) * 1e3
     normal_error = np.degrees(np.arccos(cosine))

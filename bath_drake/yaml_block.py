@@ -87,6 +87,13 @@ class Block:
         block = Block(named, self._source, self._key, self._error)
         return [block.take_list(name, float, columns) for name in named]
 
+    def take_matrices(self, key: str) -> list[list[list[float]]]:
+        """Returns the matrices of numbers, of any size, of the list under a key."""
+        lists = self.take_list(key, list)
+        named = {f"{key}[{i}]": rows for i, rows in enumerate(lists)}
+        block = Block(named, self._source, self._key, self._error)
+        return [block.take_rows(name, None, None) for name in named]
+
     def take_block(self, key: str) -> "Block":
         """Returns the mapping under a key."""
         return self._inner(self.take(key, dict), key)

@@ -11,6 +11,7 @@ from bath_drake.resources import diagrams_folder
 from bath_drake.scenario import (
     Scenario,
     approach_limits,
+    check_scenario,
     dump_scenario,
     find_demonstration,
     load_scenario,
@@ -136,3 +137,24 @@ def test_the_pure_limits_carry_the_scenario_values():
     limits, bounds = approach_limits(scenario), loop_bounds(scenario)
     assert limits.standoff == scenario.control.standoff
     assert bounds == dataclasses.replace(bounds, duration=scenario.duration)
+
+
+def test_a_given_area_that_is_no_polygon_is_named():
+    scenario = Scenario()
+    scenario.perception.restricted_areas = [
+        [[0.0, 0.0], [0.2, 0.0], [0.1, 0.2]],
+        [[0.0, 0.0], [0.2, 0.0]],
+    ]
+    with pytest.raises(
+        ValueError, match=r"perception\.restricted_areas: polygon 2: .* 3 corners"
+    ):
+        check_scenario(scenario)
+
+
+def test_given_areas_are_written_and_read_back(tmp_path):
+    scenario = Scenario()
+    triangle = [[0.0, 0.0], [0.2, 0.0], [0.1, 0.25]]
+    scenario.perception.restricted_areas = [triangle, triangle[::-1]]
+    path = tmp_path / "given.yaml"
+    path.write_text(dump_scenario(scenario), encoding="utf-8")
+    assert load_scenario(path) == scenario

@@ -21,6 +21,7 @@ class Outer:
     title: str = "none"
     corners: list[float] = field(default_factory=lambda: [0.0])
     rows: list[list[float]] = field(default_factory=list)
+    polygons: list[list[list[float]]] = field(default_factory=list)
     limit: float | None = 2.0
     inner: Inner = field(default_factory=Inner)
     extra: Inner | None = None
@@ -117,3 +118,12 @@ def test_a_schema_of_another_kind_is_the_programmers_mistake(kind):
     schema = dataclass(type("Odd", (), {"__annotations__": {"odd": kind}, "odd": None}))
     with pytest.raises(TypeError, match="a schema cannot hold"):
         fill(schema, Block({"odd": 1}, "file.yaml"))
+
+
+def test_lists_of_matrices_are_taken_and_their_mistakes_named():
+    polygons = [[[0, 1.5], [2.0, 3.0]], [[1.0]]]
+    assert filled(polygons=polygons).polygons == polygons
+    with pytest.raises(ScenarioError, match=r"polygons\[1\]\[0\]\[1\]: found 'x'"):
+        filled(polygons=[[[0.0]], [[1.0, "x"]]])
+    with pytest.raises(ScenarioError, match=r"polygons\[0\]\[1\]: found 3.0"):
+        filled(polygons=[[[0.0], 3.0]])

@@ -35,6 +35,9 @@ NORMAL_REACH = 4
 # Holes of so few pixels are the sensor's.
 SPECK = 12
 
+# Every fourth point of a back tells its axes to what noise leaves of them.
+STRIDE = 4
+
 # A disc of this share of the torso's covers no forearm, but the pieces of a back
 # on both sides of the robot.
 LIMB_SHARE = 0.6
@@ -97,9 +100,10 @@ class SegmentationConfig:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
         # The back's motion is tracked by every fourth point.
-        if not self.min_pixels >= 4 * MIN_POINTS:
+        if not self.min_pixels >= STRIDE * MIN_POINTS:
             raise ValueError(
-                f"min_pixels must be at least {4 * MIN_POINTS}, got {self.min_pixels}"
+                f"min_pixels must be at least {STRIDE * MIN_POINTS}, "
+                f"got {self.min_pixels}"
             )
         for name in ("gap_radius", "hole_area"):
             if not getattr(self, name) >= 0.0:
@@ -237,15 +241,16 @@ def _trimmed(
     """Cuts off shoulder tops, the neck's stump and what hangs below the waist."""
     # A hole that belongs to the back may hold pixels without depth.
     torso = torso & np.isfinite(points_W[..., 0])
-    if int(torso.sum()) < MIN_POINTS:
+    if int(torso.sum()) < STRIDE * MIN_POINTS:
         return np.zeros_like(torso)
     if expected is not None:
         R_WP, span = expected.R_WP, expected.span
     else:
         # Normals are on the camera's side: so is the point their mean leads to.
-        points = points_W[torso]
-        normals = pixel_normals(points_W, torso, NORMAL_REACH)
-        eye = points.mean(axis=0) + normals[torso].mean(axis=0)
+        some = np.flatnonzero(torso)[::STRIDE]
+        points = points_W.reshape(-1, 3)[some]
+        normals = pixel_normals(points_W, torso, NORMAL_REACH).reshape(-1, 3)[some]
+        eye = points.mean(axis=0) + normals.mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
         span = -np.inf, np.inf
     up_W = np.ascontiguousarray(R_WP[:, 1])

@@ -1,5 +1,6 @@
 """From the seen body to the areas the jet must keep off."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,14 @@ from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.given_areas import check_polygon, given_areas
 from bath_drake.perception.restricted import find_restricted_areas, merge_areas
 from bath_drake.systems._ports import eval_value
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S, unknown_map
 
 
 class RestrictedAreaDetector(LeafSystem):
-    """Finds wounds by their colour and remembers them.
+    """Finds wounds by their colour, and remembers them and what the carer gave.
 
     .. pydrake_system::
 
@@ -28,19 +30,29 @@ class RestrictedAreaDetector(LeafSystem):
 
     The state is the set of ellipses in N seen so far. N moves with the body, so an
     area the robot hides now is still where it was; once seen it stays for the run
-    and only ever grows.
+    and only ever grows. The areas that the carer gave are there from the first frame
+    that shows the body.
     """
 
-    def __init__(self, *, margin: float, period: float, min_area: float = 2e-4) -> None:
+    def __init__(
+        self,
+        *,
+        margin: float,
+        period: float,
+        min_area: float = 2e-4,
+        given: Sequence[Sequence[Sequence[float]]] = (),
+    ) -> None:
         """Declares ports and state.
 
         Args:
             margin: Kept around each area, metres.
             period: Seconds between looks; the camera's.
             min_area: Smaller areas are not counted, m^2.
+            given: Polygons in N that the carer wants kept off, corners (n, 2) each.
 
         Raises:
-            ValueError: If the margin is negative or another number not positive.
+            ValueError: If the margin is negative, another number not positive or a
+                polygon none.
         """
         super().__init__()
         if not (np.isfinite(margin) and margin >= 0.0):
@@ -49,6 +61,7 @@ class RestrictedAreaDetector(LeafSystem):
             raise ValueError(f"period must be positive, got {period}")
         if not min_area > 0.0:
             raise ValueError(f"min_area must be positive, got {min_area}")
+        self._given = [check_polygon(corners) for corners in given]
         self._margin = margin
         self._min_area = min_area
         self._observation = self.DeclareAbstractInputPort(
@@ -56,6 +69,7 @@ class RestrictedAreaDetector(LeafSystem):
         )
         self._map = self.DeclareAbstractInputPort("canonical_map", Value(unknown_map()))
         self._areas = self.DeclareAbstractState(Value(ObstacleSet()))
+        self._started = self.DeclareAbstractState(Value[object](False))
         self.DeclareStateOutputPort("sensed_obstacles", self._areas)
         # A frame's own map comes with the projector's delay; look after that.
         self.DeclarePeriodicUnrestrictedUpdateEvent(
@@ -67,12 +81,15 @@ class RestrictedAreaDetector(LeafSystem):
         if not observation.found:
             return EventStatus.DidNothing()
         last: Any = context.get_abstract_state(int(self._areas))
+        started: Any = context.get_abstract_state(int(self._started))
+        known: ObstacleSet = last.get_value()
+        canonical_map = eval_value(self._map, context, CanonicalMap)
+        if not started.get_value():
+            known = given_areas(self._given, canonical_map, self._margin)
+            state.get_mutable_abstract_state(int(self._started)).set_value(True)
         seen = find_restricted_areas(
-            observation,
-            eval_value(self._map, context, CanonicalMap),
-            self._margin,
-            self._min_area,
+            observation, canonical_map, self._margin, self._min_area
         )
-        areas = merge_areas(last.get_value(), seen)
+        areas = merge_areas(known, seen)
         state.get_mutable_abstract_state(int(self._areas)).set_value(areas)
         return EventStatus.Succeeded()

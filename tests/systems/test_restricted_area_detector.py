@@ -7,6 +7,7 @@ from pydrake.systems.analysis import Simulator
 
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.given_areas import given_areas
 from bath_drake.perception.restricted import find_restricted_areas
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 
@@ -81,3 +82,30 @@ def test_bad_parameters_are_refused(name, value):
     good = {"margin": MARGIN, "period": PERIOD}
     with pytest.raises(ValueError, match=name):
         RestrictedAreaDetector(**{**good, name: value})
+
+
+def test_what_the_carer_gave_is_there_from_the_first_frame_on():
+    polygon = [[-0.6, -0.5], [-0.3, -0.5], [-0.45, -0.2]]
+    dut = RestrictedAreaDetector(margin=MARGIN, period=PERIOD, given=[polygon])
+    context = dut.CreateDefaultContext()
+    dut.GetInputPort("canonical_map").FixValue(context, Value(BODY))
+    dut.GetInputPort("body_observation").FixValue(context, Value(BodyObservation()))
+    simulator = Simulator(dut, context)
+    port = dut.GetOutputPort("sensed_obstacles")
+    simulator.AdvanceTo(0.05)
+    assert len(port.Eval(context)) == 0  # nobody is there yet
+    expected = given_areas([np.array(polygon)], BODY, MARGIN)
+    dut.GetInputPort("body_observation").FixValue(context, Value(_observation(False)))
+    simulator.AdvanceTo(0.15)
+    np.testing.assert_array_equal(port.Eval(context).theta, expected.theta)
+    # A wound that is seen later is another area; the given one stays as it is.
+    dut.GetInputPort("body_observation").FixValue(context, Value(_observation()))
+    simulator.AdvanceTo(0.35)
+    theta = port.Eval(context).theta
+    assert len(theta) == 2
+    np.testing.assert_array_equal(theta[0], expected.theta[0])
+
+
+def test_a_given_area_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="at least 3 corners"):
+        RestrictedAreaDetector(margin=MARGIN, period=PERIOD, given=[[[0.0, 0.0]]])
