@@ -51,8 +51,9 @@ def test_the_stroke_is_the_markers_path_on_the_back(captured):
     # A barrel has no shoulders: where its back ends below is a matter of taste.
     assert abs(offset[0]) < 0.01
     assert abs(offset[1]) < 0.04
-    # A pixel is 7 mm, and the plane of a barrel is held to some degrees.
-    assert discrete_frechet(found - offset, truth[:, :2][shown]) < 9e-3
+    # A pixel is 7 mm, and the plane of a barrel is held to some degrees: 7 to 10 mm, by
+    # where its lower end is found.
+    assert discrete_frechet(found - offset, truth[:, :2][shown]) < 11e-3
     # 36 by 44 cm, 1 % left out at either end, and pixels of 7 mm.
     np.testing.assert_allclose(box.extents, [0.36, 0.42], atol=0.03)
 
