@@ -21,6 +21,10 @@ class ScenarioError(BathDrakeError):
     """A scenario file, or a person folder it names, cannot be used."""
 
 
+class LimitsError(BathDrakeError):
+    """A file of the guard's limits cannot be used."""
+
+
 class RunFolderError(BathDrakeError):
     """A run folder lacks a file or holds a damaged one."""
 

@@ -1,0 +1,227 @@
+"""Checks a joint command: finite, within positions, speeds and accelerations.
+
+The guard emits positions and velocities of its own, which follow the command as far as
+the limits let them. From what it emits it can always brake in time: at every tick each
+joint's position plus its way to brake lies within the joint's range less the margin.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bath_drake.notation import BoolArray, FloatArray
+from bath_drake.safety.facts import Vector
+from bath_drake.safety.limits import JOINTS, GuardLimits
+from bath_drake.safety.reasons import Reason
+
+# Of the acceleration, for catching up with a command that is ahead: the rest is left
+# for the command's own.
+_CATCH_UP = 0.5
+# Beyond any meaning, and of a finite square: rad/s, m/rad and rad/rad.
+_HUGE = 1e3
+# Damping of the Jacobian's inverse, of the size of its singular values near a
+# singularity (m/rad, rad/rad).
+_DAMPING = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class JointRange:
+    """Positions between which the joints stay, rad, the margin taken off; (7,) each."""
+
+    low: FloatArray
+    high: FloatArray
+
+    def __post_init__(self) -> None:
+        """Raises ValueError unless both are 7 finite numbers and low is below high."""
+        for name in ("low", "high"):
+            value = np.array(getattr(self, name), dtype=np.float64)
+            if value.shape != (JOINTS,) or not np.isfinite(value).all():
+                raise ValueError(f"{name} must be {JOINTS} finite numbers, got {value}")
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+        if not (self.low < self.high).all():
+            raise ValueError(f"low must be below high, got {self.low} and {self.high}")
+
+
+@dataclass(frozen=True, eq=False)
+class Emitted:
+    """What the robot was last told: positions (7,), rad, and velocities (7,), rad/s."""
+
+    q: FloatArray
+    v: FloatArray
+
+    @staticmethod
+    def at_rest(q: ArrayLike) -> "Emitted":
+        """Standing at `q` (7,)."""
+        return Emitted(np.array(q, dtype=np.float64), np.zeros(JOINTS))
+
+    def vector(self) -> FloatArray:
+        """(14,) q, v."""
+        return np.concatenate([self.q, self.v])
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedJoints:
+    """What may be done of a command.
+
+    Attributes:
+        emitted: What to tell the robot next; None unless `reason` is NONE.
+        reason: Why it must be held, or NONE.
+        limited: Whether it was scaled.
+    """
+
+    emitted: Emitted | None
+    reason: Reason
+    limited: bool = False
+
+
+def check_joint_command(
+    command: ArrayLike,
+    last: Emitted,
+    *,
+    joints: JointRange,
+    dt: float,
+    limits: GuardLimits,
+) -> CheckedJoints:
+    """Checks a command against what was emitted last.
+
+    A command that is ahead by no more than `joints.jump` is caught up with; what would
+    be too fast or too sudden is scaled, all joints by one share of the change, so that
+    the direction of the change stays. Held are a command that is not finite, further
+    ahead, out of the joints' range, or that no share of keeps the limits.
+
+    Args:
+        command: (14,) q in rad, v in rad/s.
+        last: What was emitted at the last tick.
+        joints: The range, the margin taken off.
+        dt: The step, s.
+        limits: What to keep to.
+    """
+    wanted = np.asarray(command, dtype=np.float64)
+    if wanted.shape != (2 * JOINTS,) or not np.isfinite(wanted).all():
+        return CheckedJoints(None, Reason.COMMAND_NOT_FINITE)
+    q, v = wanted[:JOINTS], wanted[JOINTS:]
+    if not ((q >= joints.low) & (q <= joints.high)).all():
+        return CheckedJoints(None, Reason.JOINT_LIMIT)
+    if np.abs(q - last.q).max() > limits.joints.jump or np.abs(v).max() > _HUGE:
+        return CheckedJoints(None, Reason.COMMAND_JUMP)
+    # v, and what takes away the lag that following v alone would leave.
+    lag = q - last.q - dt * v
+    acceleration = _CATCH_UP * np.array(limits.joints.acceleration)
+    catching_up = np.sign(lag) * stoppable_speed(np.abs(lag), acceleration, dt)
+    return _towards(v + catching_up, last, joints, dt, limits)
+
+
+def retreat_step(
+    jacobian: ArrayLike,
+    normal_W: Vector,
+    last: Emitted,
+    *,
+    joints: JointRange,
+    dt: float,
+    limits: GuardLimits,
+) -> CheckedJoints:
+    """One step of the nozzle along the normal, without turning.
+
+    Args:
+        jacobian: (6, 7) of the nozzle at the last emitted position: angular rows
+            (rad/rad) first, then the tip's (m/rad), in W.
+        normal_W: Outward, unit, in W.
+        last: What was emitted at the last tick.
+        joints: The range, the margin taken off.
+        dt: The step, s.
+        limits: What to keep to.
+    """
+    J = np.asarray(jacobian, dtype=np.float64)
+    # NaN is not below it either.
+    if J.shape != (6, JOINTS) or not (np.abs(J) < _HUGE).all():
+        return CheckedJoints(None, Reason.FACT_NOT_FINITE)
+    twist = np.zeros(6)
+    twist[3:] = limits.nozzle.approach_speed * np.array(normal_W)
+    v = J.T @ np.linalg.solve(J @ J.T + _DAMPING**2 * np.eye(6), twist)
+    return _towards(v, last, joints, dt, limits)
+
+
+def brake_step(last: Emitted, *, dt: float, limits: GuardLimits) -> Emitted:
+    """The next step to rest: every joint as slower as its acceleration allows."""
+    change = dt * np.array(limits.joints.acceleration)
+    v = np.sign(last.v) * np.maximum(np.abs(last.v) - change, 0.0)
+    return Emitted(last.q + dt * v, v)
+
+
+def condition_number(jacobian_E: ArrayLike) -> float:
+    """Of the nozzle's five directions that are followed; not finite of what is none.
+
+    Args:
+        jacobian_E: (6, 7), angular rows (rad/rad) first, then the tip's (m/rad), in E.
+            The turn about the jet, its third row, is free and left out. Radians and
+            metres stand side by side, as the limits of this number have it.
+    """
+    J = np.asarray(jacobian_E, dtype=np.float64)
+    if J.shape != (6, JOINTS) or not (np.abs(J) < _HUGE).all():
+        return float("nan")
+    return float(np.linalg.cond(J[[0, 1, 3, 4, 5]]))
+
+
+def stoppable_speed(way: FloatArray, acceleration: FloatArray, dt: float) -> FloatArray:
+    """The speed from which, after one more step, one stops within `way` >= 0.
+
+    It solves dt v + v^2 / (2 a) = way; elementwise, rad/s.
+    """
+    step = acceleration * dt
+    return np.asarray(np.sqrt(step**2 + 2.0 * acceleration * way) - step)
+
+
+def can_brake(
+    emitted: Emitted, joints: JointRange, limits: GuardLimits, tolerance: float
+) -> bool:
+    """Whether every joint can stop within its range, to a tolerance in rad."""
+    way = emitted.v * np.abs(emitted.v) / (2.0 * np.array(limits.joints.acceleration))
+    stops = emitted.q + way
+    inside: BoolArray = (stops >= joints.low - tolerance) & (
+        stops <= joints.high + tolerance
+    )
+    return bool(inside.all())
+
+
+def _towards(
+    v: FloatArray, last: Emitted, joints: JointRange, dt: float, limits: GuardLimits
+) -> CheckedJoints:
+    """As far from the last velocity to `v` as the limits allow."""
+    acceleration = np.array(limits.joints.acceleration)
+    velocity = np.array(limits.joints.velocity)
+    # All joints by one factor; then one that is at its speed does not keep the others
+    # from changing theirs.
+    excess = max(1.0, float((np.abs(v) / velocity).max()))
+    v = v / excess
+    down, up = last.q - joints.low, joints.high - last.q
+    # What is out of its range may only come back.
+    slowest = -stoppable_speed(np.maximum(down, 0.0), acceleration, dt)
+    fastest = stoppable_speed(np.maximum(up, 0.0), acceleration, dt)
+    low = np.maximum(np.maximum(-velocity, slowest), last.v - dt * acceleration)
+    high = np.minimum(np.minimum(velocity, fastest), last.v + dt * acceleration)
+    share = _largest_share(last.v, v - last.v, low, high)
+    if share is None:
+        return CheckedJoints(None, Reason.JOINT_LIMIT)
+    # Rounding alone is clipped: the share was chosen within the bounds.
+    v_next = np.clip(last.v + share * (v - last.v), low, high)
+    emitted = Emitted(last.q + dt * v_next, v_next)
+    return CheckedJoints(emitted, Reason.NONE, limited=share < excess * (1.0 - 1e-6))
+
+
+def _largest_share(
+    start: FloatArray, change: FloatArray, low: FloatArray, high: FloatArray
+) -> float | None:
+    """The largest s in [0, 1] with low <= start + s change <= high; None if none."""
+    first, final = 0.0, 1.0
+    columns = (a.tolist() for a in (start, change, low, high))
+    for v, d, least, most in zip(*columns, strict=True):
+        # Slower changes than this are none, rad/s.
+        if abs(d) < 1e-12:
+            if not least - 1e-12 <= v <= most + 1e-12:
+                return None
+            continue
+        ends = sorted(((least - v) / d, (most - v) / d))
+        first, final = max(first, ends[0]), min(final, ends[1])
+    return final if first <= final else None
