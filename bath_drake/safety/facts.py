@@ -4,7 +4,7 @@ Every comparison is written so that what is not a number counts as wrong.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, inf, isfinite
 
 from bath_drake.safety.limits import GuardLimits
@@ -106,7 +106,11 @@ def present_reasons(
 ) -> Iterator[Reason]:
     """Every reason there is not to pass; NaN is always one."""
     yield from (reason for reason in facts.reported if reason is not Reason.NONE)
-    if not isfinite(facts.now) or facts.now < memory.now:
+    if not isfinite(facts.now):
+        # No age can be told: those of the last tick stand.
+        yield Reason.CLOCK
+        facts = replace(facts, now=memory.now)
+    elif facts.now < memory.now:
         yield Reason.CLOCK
     yield from _frame_reasons(memory, facts, limits)
     yield from _force_reasons(memory, facts, limits)
