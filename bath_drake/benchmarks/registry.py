@@ -15,6 +15,7 @@ NAMES = (
     "demonstrations",
     "capture",
     "perception",
+    "guard",
     "loop",
     "soak",
 )
@@ -76,6 +77,12 @@ def _perception(settings: Settings, progress: Progress) -> Report:
     return run(progress)
 
 
+def _guard(settings: Settings, progress: Progress) -> list[Figure]:
+    from bath_drake.benchmarks.guard import run
+
+    return run(progress)
+
+
 _LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
 BENCHMARKS = {
     "field": Benchmark(_field),
@@ -85,6 +92,7 @@ BENCHMARKS = {
     "demonstrations": Benchmark(_demonstrations),
     "capture": Benchmark(_capture),
     "perception": Benchmark(_perception),
+    "guard": Benchmark(_guard),
 }
 
 

@@ -167,8 +167,9 @@ def check_canonical_command(
     if speed < STILL:
         away = math.dist((x, y), world.goal.tolist())
         return _held(Reason.TRAPPED if away > THERE else Reason.NONE)
-    share = _speed_share(v, np.asarray(last, dtype=np.float64), extents, dt, limits)
-    share *= _condition_share(condition_number, limits)
+    share = _condition_share(condition_number, limits)
+    before = np.asarray(last, dtype=np.float64)
+    share = _speed_share(share, v, before, extents, dt, limits)
     if share < STILL / speed:  # a turn that stops first, or a singular arm
         return CheckedVelocity(np.zeros(2), Reason.NONE, limited=True)
     free = _free_share(
@@ -191,7 +192,7 @@ def check_canonical_command(
 
 
 # A rim that is never met.
-_EVERYWHERE = np.array([0.0, 0.0, 1e30, 1e30, 2.0])
+_EVERYWHERE = np.array([0.0, 0.0, 1e200, 1e200, 2.0])
 
 
 def _held(reason: Reason) -> CheckedVelocity:
@@ -205,15 +206,21 @@ def _condition_share(condition_number: float, limits: GuardLimits) -> float:
 
 
 def _speed_share(
-    v: FloatArray, last: FloatArray, extents: FloatArray, dt: float, limits: GuardLimits
+    share: float,
+    v: FloatArray,
+    last: FloatArray,
+    extents: FloatArray,
+    dt: float,
+    limits: GuardLimits,
 ) -> float:
     """The largest share of `v` within both speeds and the change allowed since `last`.
 
-    0 if only less than nothing of it is: then it stops first.
+    Of what the speeds allow it is no more than `share`. 0 if only less than nothing of
+    `v` is within the change: then it stops first.
     """
     canonical = limits.canonical
     speed, along_skin = math.hypot(*v.tolist()), math.hypot(*(extents * v).tolist())
-    share = min(1.0, canonical.speed / speed, canonical.skin_speed / along_skin)
+    share *= min(1.0, canonical.speed / speed, canonical.skin_speed / along_skin)
     # |s v - last| <= change, as a quadratic in s.
     before = math.hypot(*last.tolist())
     change = canonical.acceleration * dt

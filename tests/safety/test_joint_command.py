@@ -1,0 +1,173 @@
+"""The check of the joint command, the retreat and the brake."""
+
+import numpy as np
+import pytest
+
+from bath_drake.safety.joint_command import (
+    Emitted,
+    JointRange,
+    brake_step,
+    check_joint_command,
+    condition_number,
+    retreat_step,
+    stoppable_speed,
+)
+from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.reasons import Reason
+
+LIMITS = GuardLimits()
+DT = LIMITS.loop.period
+JOINTS = JointRange(np.full(7, -1.0), np.full(7, 1.0))
+REST = Emitted.at_rest(np.zeros(7))
+GENTLE = np.full(7, 0.02)
+
+
+def check(command, last=REST):
+    return check_joint_command(command, last, joints=JOINTS, dt=DT, limits=LIMITS)
+
+
+def moved(v, last=REST):
+    return np.concatenate([last.q + DT * v, v])
+
+
+def follow(commands, last=REST):
+    for command in commands:
+        checked = check(command, last)
+        assert checked.reason is Reason.NONE
+        last = checked.emitted
+    return last
+
+
+def test_a_gentle_command_passes_to_the_last_digits():
+    checked = check(moved(GENTLE))
+    assert not checked.limited
+    # One product and one sum away from what was asked for.
+    np.testing.assert_allclose(checked.emitted.vector(), moved(GENTLE), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("command", "reason"),
+    [
+        (np.full(14, np.nan), Reason.COMMAND_NOT_FINITE),
+        (np.concatenate([np.zeros(13), [np.inf]]), Reason.COMMAND_NOT_FINITE),
+        (np.zeros(13), Reason.COMMAND_NOT_FINITE),
+        (np.concatenate([np.full(7, 1.01), np.zeros(7)]), Reason.JOINT_LIMIT),
+        (np.concatenate([np.full(7, 0.06), np.zeros(7)]), Reason.COMMAND_JUMP),
+        (np.concatenate([np.zeros(7), np.full(7, 1e300)]), Reason.COMMAND_JUMP),
+    ],
+)
+def test_what_cannot_be_scaled_is_held_with_its_reason(command, reason):
+    checked = check(command)
+    assert checked.emitted is None
+    assert checked.reason is reason
+
+
+def test_too_sudden_a_command_is_scaled_and_keeps_its_direction():
+    direction = np.array([0.5, -0.2, 0.1, 0.0, 0.3, -0.4, 0.05])
+    checked = check(moved(direction))
+    assert checked.limited
+    v = checked.emitted.v
+    assert np.abs(v).max() == pytest.approx(DT * 10.0, rel=1e-12)
+    np.testing.assert_allclose(v / np.abs(v).max(), direction / 0.5, atol=1e-12)
+
+
+def test_too_fast_a_command_is_followed_at_the_joints_speed():
+    limits = np.array(LIMITS.joints.velocity)
+    last = REST
+    for _ in range(60):
+        q = last.q + DT * 2.0 * limits
+        last = check(np.concatenate([q, 2.0 * limits]), last).emitted
+    # The limit itself is reached, and not passed but by rounding.
+    assert (np.abs(last.v) / limits).max() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_command_beside_is_caught_up_with_and_not_run_over():
+    target = np.full(7, 0.04)
+    last, largest = REST, 0.0
+    for _ in range(100):
+        last = check(np.concatenate([target, np.zeros(7)]), last).emitted
+        largest = max(largest, float(last.q.max()))
+    # The speed from which it stops there: it comes from one side, to rounding.
+    assert largest <= 0.04 + 1e-12
+    np.testing.assert_allclose(last.q, target, atol=1e-4)
+
+
+def test_towards_the_end_of_the_range_it_brakes_in_time():
+    last = Emitted(np.full(7, 0.93), np.zeros(7))
+    for _ in range(200):
+        q = np.minimum(last.q + DT * 1.0, 1.0)
+        checked = check(np.concatenate([q, np.ones(7)]), last)
+        step = checked.emitted or brake_step(last, dt=DT, limits=LIMITS)
+        # 1e-12 rad: rounding.
+        assert (step.q <= 1.0 + 1e-12).all()
+        assert (np.abs(step.v - last.v) <= DT * 10.0 + 1e-12).all()
+        last = step
+
+
+def test_braking_ends_at_rest_within_the_way_it_is_said_to_take():
+    last = Emitted(np.zeros(7), np.array([1.0, -1.0, 0.3, 0.0, 0.7, -0.2, 0.04]))
+    start = last
+    for _ in range(30):
+        last = brake_step(last, dt=DT, limits=LIMITS)
+    np.testing.assert_array_equal(last.v, np.zeros(7))
+    way = start.v**2 / (2.0 * 10.0)
+    assert (np.abs(last.q) <= way + 1e-12).all()
+
+
+def test_from_the_stoppable_speed_a_step_and_the_brake_take_the_whole_way():
+    way = np.array([0.0, 1e-6, 0.01, 1.0])
+    v = stoppable_speed(way, np.full(4, 10.0), DT)
+    # The root of a sum less a part of it: 1e-16 of 0.05 remains.
+    np.testing.assert_allclose(DT * v + v**2 / 20.0, way, atol=1e-15)
+
+
+def jacobian(seed=3):
+    return np.random.default_rng(seed).normal(size=(6, 7))
+
+
+def test_a_retreat_goes_along_the_normal_without_turning():
+    normal = (0.0, 0.6, 0.8)
+    last = REST
+    for _ in range(40):
+        last = retreat_step(
+            jacobian(), normal, last, joints=JOINTS, dt=DT, limits=LIMITS
+        ).emitted
+    twist = jacobian() @ last.v
+    # The damping takes a little of the speed, and turns it by as little.
+    speed = LIMITS.nozzle.approach_speed
+    np.testing.assert_allclose(twist[3:], speed * np.array(normal), atol=0.05 * speed)
+    np.testing.assert_allclose(twist[:3], 0.0, atol=0.002)
+
+
+@pytest.mark.parametrize("bad", [np.full((6, 7), np.nan), np.full((6, 7), 1e300)])
+def test_without_a_jacobian_there_is_no_step(bad):
+    step = retreat_step(bad, (0.0, 0.0, 1.0), REST, joints=JOINTS, dt=DT, limits=LIMITS)
+    assert step.emitted is None
+    assert step.reason is Reason.FACT_NOT_FINITE
+
+
+def test_at_a_singularity_a_retreat_stays_slow():
+    flat = np.zeros((6, 7))
+    flat[3, 0] = 1e-9
+    step = retreat_step(
+        flat, (1.0, 0.0, 0.0), REST, joints=JOINTS, dt=DT, limits=LIMITS
+    )
+    assert np.abs(step.emitted.v).max() < 1e-6
+
+
+def test_the_condition_number_leaves_the_turn_about_the_jet_out():
+    J = np.eye(6, 7)
+    J[2] *= 1e-6
+    assert condition_number(J) == pytest.approx(1.0)
+    J[4] *= 0.1
+    assert condition_number(J) == pytest.approx(10.0)
+    assert np.isnan(condition_number(np.full((6, 7), np.inf)))
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [(np.zeros(6), np.ones(6)), (np.ones(7), np.zeros(7)), (np.full(7, np.nan),) * 2],
+)
+def test_a_range_is_seven_finite_numbers_in_order(low, high):
+    with pytest.raises(ValueError, match="low"):
+        JointRange(low, high)
