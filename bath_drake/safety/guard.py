@@ -36,8 +36,10 @@ class GuardState:
 
     Attributes:
         mode: Of the last tick.
-        reason: Why; in HOLD after all is well, the last one there was.
-        locked: Whether a reason was met that only a reset ends.
+        reason: Why. Once all is well again: what only a reset ends, or the last one
+            there was.
+        present: The gravest reason there was at the last tick, NONE if all was well.
+        locked_by: The first reason met that only a reset ends; NONE if there is none.
         well_since: When all began to be well, s; infinite while it is not.
         retreated: For how long it has retreated since it last passed, s.
         normal_W: The way to retreat: the last normal known.
@@ -48,7 +50,8 @@ class GuardState:
 
     mode: Mode = Mode.HOLD
     reason: Reason = Reason.NO_FRAME
-    locked: bool = False
+    present: Reason = Reason.NO_FRAME
+    locked_by: Reason = Reason.NONE
     well_since: float = inf
     retreated: float = 0.0
     normal_W: Vector | None = None
@@ -92,9 +95,9 @@ def guard_step(
     wanted = RESPONSES[reason].mode
     was_reset = facts.reset and not state.reset
     # Met now, a reason locks again; it is not forgiven by a reset of the same tick.
-    locked = (state.locked and not was_reset) or not all(
-        RESPONSES[r].resumes for r in reasons
-    )
+    locked_by = Reason.NONE if was_reset else state.locked_by
+    if locked_by is Reason.NONE:
+        locked_by = gravest([r for r in reasons if not RESPONSES[r].resumes])
     ticked = facts.now - state.memory.now
     # The first tick, and a clock that is none or went back, take no time.
     elapsed = ticked if isfinite(ticked) and ticked > 0.0 else 0.0
@@ -113,7 +116,7 @@ def guard_step(
         mode = Mode.STOP
     elif retreats and Mode.RETREAT in (wanted, state.mode):
         mode = Mode.RETREAT
-    elif wanted is not Mode.PASS or state.mode is Mode.STOP or locked:
+    elif wanted is not Mode.PASS or state.mode is Mode.STOP or locked_by:
         mode = Mode.HOLD
     elif state.mode is Mode.PASS or (state.mode is Mode.HOLD and dwelt):
         mode, retreated = Mode.PASS, 0.0
@@ -122,7 +125,9 @@ def guard_step(
 
     if mode is Mode.PASS:
         shown = Reason.NONE
-    elif RESPONSES[reason].mode < mode or reason is Reason.NONE:
+    elif reason is Reason.NONE and mode is Mode.HOLD:
+        shown = locked_by or state.reason
+    elif RESPONSES[reason].mode < mode:
         shown = state.reason  # what began it and is over
     else:
         shown = reason
@@ -132,7 +137,8 @@ def guard_step(
     after = GuardState(
         mode=mode,
         reason=shown,
-        locked=locked,
+        present=reason,
+        locked_by=locked_by,
         well_since=well_since,
         retreated=retreated,
         normal_W=normal,

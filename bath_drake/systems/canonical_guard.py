@@ -43,6 +43,7 @@ class CanonicalGuard(LeafSystem):
         - checked_velocity
         - guard_mode
         - guard_reason
+        - present_reason
         - guard_counts
         - limited_count
 
@@ -50,8 +51,9 @@ class CanonicalGuard(LeafSystem):
     `navigation_field` is the field without the `sensed_obstacles`. An optional port
     that is not connected is not watched; see `bath_drake.safety.facts.GuardFacts` for
     what each says. `guard_mode` and `guard_reason` are of
-    `bath_drake.safety.reasons`; `guard_counts` counts how often each reason began,
-    `limited_count` the ticks at which less passed than was asked for.
+    `bath_drake.safety.reasons`; `present_reason` is NONE as soon as all is well, and
+    what another guard may take as its `other_reason`; `guard_counts` counts how often
+    each reason began, `limited_count` the ticks at which less passed than asked for.
 
     Everything is checked in the periodic update, and every output is state: nothing
     leaves that was not checked. Unrestricted updates go before discrete ones of the
@@ -92,6 +94,7 @@ class CanonicalGuard(LeafSystem):
             ("checked_velocity", 2, self._calc_velocity),
             ("guard_mode", 1, self._calc_mode),
             ("guard_reason", 1, self._calc_reason),
+            ("present_reason", 1, self._calc_present),
             ("guard_counts", len(Reason), self._calc_counts),
             ("limited_count", 1, self._calc_limited),
         ):
@@ -131,6 +134,9 @@ class CanonicalGuard(LeafSystem):
 
     def _calc_reason(self, context: Context, output: BasicVector) -> None:
         set_vector(output, [float(self.last_tick(context).state.reason)])
+
+    def _calc_present(self, context: Context, output: BasicVector) -> None:
+        set_vector(output, [float(self.last_tick(context).state.present)])
 
     def _calc_counts(self, context: Context, output: BasicVector) -> None:
         set_vector(output, self.last_tick(context).state.counts)

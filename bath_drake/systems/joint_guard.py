@@ -41,6 +41,7 @@ class JointGuard(LeafSystem):
         - condition_number
         - guard_mode
         - guard_reason
+        - present_reason
         - guard_counts
         - limited_count
 
@@ -48,8 +49,9 @@ class JointGuard(LeafSystem):
     connected is not watched; see `bath_drake.safety.facts.GuardFacts` for what each
     says. Without `surface_normal` a RETREAT is a HOLD. `condition_number` is that of
     the nozzle's Jacobian at the emitted positions. `guard_mode` and `guard_reason` are
-    of `bath_drake.safety.reasons`; `guard_counts` counts how often each reason began,
-    `limited_count` the ticks at which less passed than was asked for.
+    of `bath_drake.safety.reasons`; `present_reason` is NONE as soon as all is well, and
+    what another guard may take as its `other_reason`; `guard_counts` counts how often
+    each reason began, `limited_count` the ticks at which less passed than asked for.
 
     Everything is checked in the periodic update, with the period `loop.period` of the
     limits, and every output is state: nothing leaves that was not checked.
@@ -100,6 +102,7 @@ class JointGuard(LeafSystem):
             ("condition_number", 1, self._calc_condition),
             ("guard_mode", 1, self._calc_mode),
             ("guard_reason", 1, self._calc_reason),
+            ("present_reason", 1, self._calc_present),
             ("guard_counts", len(Reason), self._calc_counts),
             ("limited_count", 1, self._calc_limited),
         ):
@@ -177,6 +180,9 @@ class JointGuard(LeafSystem):
 
     def _calc_reason(self, context: Context, output: BasicVector) -> None:
         set_vector(output, [float(self.last_tick(context).state.reason)])
+
+    def _calc_present(self, context: Context, output: BasicVector) -> None:
+        set_vector(output, [float(self.last_tick(context).state.present)])
 
     def _calc_counts(self, context: Context, output: BasicVector) -> None:
         set_vector(output, self.last_tick(context).state.counts)

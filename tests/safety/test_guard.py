@@ -188,7 +188,10 @@ def test_one_tick_that_is_not_well_begins_the_dwell_anew(run):
 def test_a_reason_that_needs_a_reset_is_not_forgotten_under_one_that_does_not(run):
     run.tick(reported=(Reason.COMMAND_NOT_FINITE,))
     run.tick(surface_found=False)
+    assert run.decision.reason is Reason.SURFACE_UNSEEN
     assert set(run.ticks(3 * DWELL)) == {Mode.HOLD}
+    # What is shown then is what the reset is for.
+    assert run.decision.reason is Reason.COMMAND_NOT_FINITE
 
 
 def test_a_stop_is_left_by_a_reset_alone_and_leads_to_a_hold(run):
@@ -261,6 +264,14 @@ def test_the_gravest_of_several_reasons_decides(run):
     assert run.decision.reason is Reason.LINK_LOST
     assert gravest([Reason.SURFACE_UNSEEN, Reason.BODY_FAST]) is Reason.BODY_FAST
     assert gravest([]) is Reason.NONE
+
+
+def test_the_present_reason_is_gone_as_soon_as_all_is_well(run):
+    run.tick(surface_found=False)
+    assert run.state.present is Reason.SURFACE_UNSEEN
+    run.tick()
+    assert run.state.present is Reason.NONE
+    assert run.decision.reason is Reason.SURFACE_UNSEEN
 
 
 def test_a_reason_is_counted_when_it_begins_and_not_at_every_tick(run):

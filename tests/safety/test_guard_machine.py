@@ -16,7 +16,10 @@ from hypothesis.stateful import (
 
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
-from bath_drake.safety.canonical_command import guarded_world
+from bath_drake.safety.canonical_command import (
+    check_canonical_command,
+    guarded_world,
+)
 from bath_drake.safety.facts import GuardFacts, present_reasons
 from bath_drake.safety.guard_ticks import (
     CanonicalTick,
@@ -102,6 +105,7 @@ class _Guarded(RuleBasedStateMachine):
         raise NotImplementedError
 
     def check_modes(self):
+        """The rules of the modes; reasons are found anew, from the facts."""
         was, state = self.before.state, self.tick.state
         reasons = [
             *present_reasons(was.memory, self.facts, LIMITS),
@@ -115,16 +119,18 @@ class _Guarded(RuleBasedStateMachine):
             assert state.mode is not Mode.PASS
         if Mode.STOP in modes:
             assert state.mode is Mode.STOP
+        assert (state.present is Reason.NONE) == (not reasons)
+        assert (state.reason is Reason.NONE) == (state.mode is Mode.PASS)
         if state.mode is Mode.PASS:
             assert not reasons
             assert was.mode in (Mode.PASS, Mode.HOLD)
-            assert not state.locked
+            assert not state.locked_by
         if was.mode is Mode.RETREAT:
             assert state.mode is not Mode.PASS
         if any(not RESPONSES[reason].resumes for reason in reasons):
-            assert state.locked
-        elif was.locked and not rose:
-            assert state.locked
+            assert state.locked_by
+        elif was.locked_by and not rose:
+            assert state.locked_by
             assert state.mode is not Mode.PASS
 
     @rule(change=wrong_facts)
@@ -271,20 +277,33 @@ class CanonicalGuardMachine(_Guarded):
 
     def proceed(self, facts):
         self.start, self.asked = self.point, self.velocity
+        self.world = WORLDS[self.areas]
         self.tick = canonical_tick(
             self.tick,
             self.velocity,
             self.point,
             facts,
-            world=WORLDS[self.areas],
+            world=self.world,
             half_extents=EXTENTS,
             dt=self.dt,
             limits=LIMITS,
         )
         self.point = self.point + self.dt * self.tick.velocity
 
+    def checked(self):
+        return check_canonical_command(
+            self.asked,
+            self.start,
+            self.before.velocity,
+            world=self.world,
+            half_extents=EXTENTS,
+            condition_number=self.facts.condition_number,
+            dt=self.dt,
+            limits=LIMITS,
+        )
+
     def command_reasons(self):
-        return []
+        return [self.checked().reason]
 
     @rule(direction=pairs, speed=st.sampled_from([0.1, 0.5, 5.0]), n=st.integers(1, 30))
     def it_is_driven(self, direction, speed, n):
@@ -311,6 +330,7 @@ class CanonicalGuardMachine(_Guarded):
         if self.tick.state.mode is not Mode.PASS:
             np.testing.assert_array_equal(v, np.zeros(2))
             return
+        np.testing.assert_array_equal(v, self.checked().velocity)
         if not v.any():
             return
         # Of what was asked for, and no more; to rounding of one product.
