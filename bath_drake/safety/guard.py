@@ -116,9 +116,11 @@ def guard_step(
         mode = Mode.STOP
     elif retreats and Mode.RETREAT in (wanted, state.mode):
         mode = Mode.RETREAT
-    elif wanted is not Mode.PASS or state.mode is Mode.STOP or locked_by:
-        mode = Mode.HOLD
-    elif state.mode is Mode.PASS or (state.mode is Mode.HOLD and dwelt):
+    elif (
+        wanted is Mode.PASS
+        and not locked_by
+        and (state.mode is Mode.PASS or (state.mode is Mode.HOLD and dwelt))
+    ):
         mode, retreated = Mode.PASS, 0.0
     else:
         mode = Mode.HOLD

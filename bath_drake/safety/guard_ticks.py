@@ -91,7 +91,7 @@ class JointTick:
 def joint_tick(
     before: JointTick,
     command: ArrayLike,
-    jacobian: ArrayLike | None,
+    jacobian: ArrayLike,
     facts: GuardFacts,
     *,
     joints: JointRange,
@@ -103,21 +103,23 @@ def joint_tick(
     Args:
         before: The last tick.
         command: (14,) q, v to follow.
-        jacobian: (6, 7) of the nozzle at the last emitted position; None retreats
-            nowhere: it brakes.
+        jacobian: (6, 7) of the nozzle at the last emitted position, in W; where it is
+            none, all that is left is to brake.
         facts: What is known now.
         joints: The range of the positions, the margin taken off.
         dt: The step, s.
         limits: What to keep to.
     """
     last = before.emitted
-    checked = check_joint_command(command, last, joints=joints, dt=dt, limits=limits)
+    checked = check_joint_command(
+        command, jacobian, last, joints=joints, dt=dt, limits=limits
+    )
     state, decision = guard_step(
         before.state, _with_report(facts, checked.reason), limits
     )
     if decision.mode is Mode.RETREAT:
         checked = CheckedJoints(None, decision.reason)
-        if decision.normal_W is not None and jacobian is not None:
+        if decision.normal_W is not None:
             checked = retreat_step(
                 jacobian, decision.normal_W, last, joints=joints, dt=dt, limits=limits
             )

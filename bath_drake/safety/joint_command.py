@@ -78,6 +78,7 @@ class CheckedJoints:
 
 def check_joint_command(
     command: ArrayLike,
+    jacobian: ArrayLike,
     last: Emitted,
     *,
     joints: JointRange,
@@ -93,6 +94,8 @@ def check_joint_command(
 
     Args:
         command: (14,) q in rad, v in rad/s.
+        jacobian: (6, 7) of the nozzle at the last emitted position: angular rows
+            (rad/rad) first, then the tip's (m/rad).
         last: What was emitted at the last tick.
         joints: The range, the margin taken off.
         dt: The step, s.
@@ -101,6 +104,9 @@ def check_joint_command(
     wanted = np.asarray(command, dtype=np.float64)
     if wanted.shape != (2 * JOINTS,) or not np.isfinite(wanted).all():
         return CheckedJoints(None, Reason.COMMAND_NOT_FINITE)
+    J = np.asarray(jacobian, dtype=np.float64)
+    if not _is_jacobian(J):
+        return CheckedJoints(None, Reason.FACT_NOT_FINITE)
     q, v = wanted[:JOINTS], wanted[JOINTS:]
     if not ((q >= joints.low) & (q <= joints.high)).all():
         return CheckedJoints(None, Reason.JOINT_LIMIT)
@@ -110,7 +116,7 @@ def check_joint_command(
     lag = q - last.q - dt * v
     acceleration = _CATCH_UP * np.array(limits.joints.acceleration)
     catching_up = np.sign(lag) * stoppable_speed(np.abs(lag), acceleration, dt)
-    return _towards(v + catching_up, last, joints, dt, limits)
+    return _towards(v + catching_up, J, last, joints, dt, limits)
 
 
 def retreat_step(
@@ -134,13 +140,12 @@ def retreat_step(
         limits: What to keep to.
     """
     J = np.asarray(jacobian, dtype=np.float64)
-    # NaN is not below it either.
-    if J.shape != (6, JOINTS) or not (np.abs(J) < _HUGE).all():
+    if not _is_jacobian(J):
         return CheckedJoints(None, Reason.FACT_NOT_FINITE)
     twist = np.zeros(6)
     twist[3:] = limits.nozzle.approach_speed * np.array(normal_W)
     v = J.T @ np.linalg.solve(J @ J.T + _DAMPING**2 * np.eye(6), twist)
-    return _towards(v, last, joints, dt, limits)
+    return _towards(v, J, last, joints, dt, limits)
 
 
 def brake_step(last: Emitted, *, dt: float, limits: GuardLimits) -> Emitted:
@@ -159,7 +164,7 @@ def condition_number(jacobian_E: ArrayLike) -> float:
             metres stand side by side, as the limits of this number have it.
     """
     J = np.asarray(jacobian_E, dtype=np.float64)
-    if J.shape != (6, JOINTS) or not (np.abs(J) < _HUGE).all():
+    if not _is_jacobian(J):
         return float("nan")
     return float(np.linalg.cond(J[[0, 1, 3, 4, 5]]))
 
@@ -185,15 +190,26 @@ def can_brake(
     return bool(inside.all())
 
 
+def _is_jacobian(J: FloatArray) -> bool:
+    # NaN is not below it either.
+    return J.shape == (6, JOINTS) and bool((np.abs(J) < _HUGE).all())
+
+
 def _towards(
-    v: FloatArray, last: Emitted, joints: JointRange, dt: float, limits: GuardLimits
+    v: FloatArray,
+    J: FloatArray,
+    last: Emitted,
+    joints: JointRange,
+    dt: float,
+    limits: GuardLimits,
 ) -> CheckedJoints:
     """As far from the last velocity to `v` as the limits allow."""
     acceleration = np.array(limits.joints.acceleration)
     velocity = np.array(limits.joints.velocity)
     # All joints by one factor; then one that is at its speed does not keep the others
-    # from changing theirs.
-    excess = max(1.0, float((np.abs(v) / velocity).max()))
+    # from changing theirs. Between two slow tips every tip is slow.
+    tip = float(np.linalg.norm(J[3:] @ v)) / limits.nozzle.speed
+    excess = max(1.0, float((np.abs(v) / velocity).max()), tip)
     v = v / excess
     down, up = last.q - joints.low, joints.high - last.q
     # What is out of its range may only come back.

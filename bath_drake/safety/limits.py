@@ -24,9 +24,10 @@ class CanonicalLimits:
 
 @dataclass(kw_only=True)
 class NozzleLimits:
-    """Of the nozzle along the normal."""
+    """Of the nozzle's tip."""
 
-    approach_speed: float = 0.05  # m/s, also when it retreats
+    speed: float = 0.15  # m/s in any direction
+    approach_speed: float = 0.05  # m/s along the normal, also when it retreats
     retreat_distance: float = 0.08  # m
 
 
@@ -101,7 +102,11 @@ _RANGES: dict[str, dict[str, tuple[float, float | tuple[float, ...]]]] = {
         "skin_speed": (1e-3, 0.10),
         "margin": (0.0, 0.1),
     },
-    "nozzle": {"approach_speed": (1e-3, 0.05), "retreat_distance": (0.01, 0.3)},
+    "nozzle": {
+        "speed": (1e-3, 0.25),
+        "approach_speed": (1e-3, 0.05),
+        "retreat_distance": (0.01, 0.3),
+    },
     "frames": {
         "hold_age": (0.01, 0.5),
         "retreat_age": (0.02, 2.0),
@@ -132,6 +137,7 @@ _RANGES: dict[str, dict[str, tuple[float, float | tuple[float, ...]]]] = {
 }
 # Within a block, the first must be below the second.
 _ASCENDING = (
+    ("nozzle", "approach_speed", "speed"),
     ("frames", "hold_age", "retreat_age"),
     ("joints", "condition_slow", "condition_stop"),
     ("force", "retreat", "stop"),

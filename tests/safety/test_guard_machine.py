@@ -155,7 +155,7 @@ wild_commands = st.lists(anything | st.floats(-2.0, 2.0), min_size=14, max_size=
 )
 jacobians = st.integers(0, 5).map(
     lambda seed: np.random.default_rng(seed).normal(size=(6, 7))
-) | st.sampled_from([None, np.full((6, 7), nan), np.zeros((6, 7))])
+) | st.sampled_from([np.full((6, 7), nan), np.zeros((6, 7)), 0.1 * np.eye(6, 7)])
 
 
 class JointGuardMachine(_Guarded):
@@ -164,11 +164,11 @@ class JointGuardMachine(_Guarded):
     @initialize(at=st.sampled_from([-0.29, 0.0, 0.39]), jacobian=jacobians)
     def begin(self, at, jacobian):
         self.tick = JointTick(emitted=Emitted.at_rest(np.full(7, at)))
-        self.jacobian = jacobian
+        self.jacobian = self.used = jacobian
         self.command = self.tick.emitted.vector()
 
     def proceed(self, facts):
-        self.used = self.jacobian
+        self.used, self.used_before = self.jacobian, self.used
         self.tick = joint_tick(
             self.tick,
             self.command,
@@ -181,7 +181,12 @@ class JointGuardMachine(_Guarded):
 
     def checked(self):
         return check_joint_command(
-            self.command, self.before.emitted, joints=JOINTS, dt=DT, limits=LIMITS
+            self.command,
+            self.used,
+            self.before.emitted,
+            joints=JOINTS,
+            dt=DT,
+            limits=LIMITS,
         )
 
     def command_reasons(self):
@@ -221,7 +226,7 @@ class JointGuardMachine(_Guarded):
         mode = self.tick.state.mode
         if mode is Mode.PASS:
             expected = self.checked().emitted
-        elif mode is Mode.RETREAT and self.used is not None:
+        elif mode is Mode.RETREAT:
             normal = self.tick.state.normal_W
             expected = retreat_step(
                 self.used, normal, last, joints=JOINTS, dt=DT, limits=LIMITS
@@ -243,6 +248,17 @@ class JointGuardMachine(_Guarded):
         assert (emitted.q >= JOINTS.low - ROUNDED).all()
         assert (emitted.q <= JOINTS.high + ROUNDED).all()
         assert can_brake(emitted, JOINTS, LIMITS, ROUNDED)
+
+    @precondition(lambda self: self.before is not None)
+    @invariant()
+    def a_tip_that_is_slow_stays_slow_while_it_passes(self):
+        # Braking takes each joint as fast as it can, whatever the tip does meanwhile.
+        if self.tick.state.mode is Mode.PASS and self.used is self.used_before:
+            tip, before = (
+                np.linalg.norm(self.used[3:] @ tick.emitted.v)
+                for tick in (self.tick, self.before)
+            )
+            assert tip <= max(LIMITS.nozzle.speed, before) + ROUNDED
 
 
 FIELD = NavigationField(

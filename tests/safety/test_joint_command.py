@@ -22,8 +22,14 @@ REST = Emitted.at_rest(np.zeros(7))
 GENTLE = np.full(7, 0.02)
 
 
-def check(command, last=REST):
-    return check_joint_command(command, last, joints=JOINTS, dt=DT, limits=LIMITS)
+# An arm whose tip hardly moves, so that the joints' own limits are what counts.
+SHORT = 1e-3 * np.eye(6, 7)
+
+
+def check(command, last=REST, jacobian=SHORT):
+    return check_joint_command(
+        command, jacobian, last, joints=JOINTS, dt=DT, limits=LIMITS
+    )
 
 
 def moved(v, last=REST):
@@ -79,6 +85,30 @@ def test_too_fast_a_command_is_followed_at_the_joints_speed():
         last = check(np.concatenate([q, 2.0 * limits]), last).emitted
     # The limit itself is reached, and not passed but by rounding.
     assert (np.abs(last.v) / limits).max() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_tip_is_no_faster_than_it_may():
+    v = np.full(7, 0.2)
+    last = REST
+    for _ in range(20):
+        last = check(moved(v, last), last, jacobian()).emitted
+    tip = np.linalg.norm(jacobian()[3:] @ last.v)
+    assert np.linalg.norm(jacobian()[3:] @ v) > LIMITS.nozzle.speed
+    # Reached from below, and no further but by rounding.
+    assert tip == pytest.approx(LIMITS.nozzle.speed, rel=1e-9)
+
+
+def test_without_a_jacobian_no_command_passes():
+    checked = check(moved(GENTLE), jacobian=np.full((6, 7), np.nan))
+    assert checked.reason is Reason.FACT_NOT_FINITE
+
+
+def test_a_joint_at_its_speed_does_not_keep_another_from_turning_back():
+    limits = np.array(LIMITS.joints.velocity)
+    last = Emitted(np.zeros(7), np.concatenate([limits[:1], np.full(6, 0.1)]))
+    back = np.concatenate([3.0 * limits[:1], np.full(6, -0.3)])
+    after = follow([moved(back, last)], last)
+    assert (after.v[1:] < 0.1).all()
 
 
 def test_a_command_beside_is_caught_up_with_and_not_run_over():
