@@ -129,6 +129,23 @@ def test_within_the_margin_it_may_only_go_out():
     assert check(velocity=(0.2, 0.0), point=within).reason is Reason.CLEARANCE
 
 
+def test_the_rim_has_its_margin_too():
+    # The rim is at x = 1.2; the step and the brake from 0.5 1/s take 0.0175.
+    near = (1.2 - LIMITS.canonical.margin - 3e-3, 0.0)
+    checked = check(velocity=(0.5, 0.0), last=(0.5, 0.0), point=near)
+    assert checked.reason is Reason.NONE
+    assert 0.0 < checked.velocity[0] < 0.5
+    within = (1.2 - 0.5 * LIMITS.canonical.margin, 0.0)
+    assert check(velocity=(0.2, 0.0), point=within).reason is Reason.CLEARANCE
+
+
+def test_within_the_margin_a_sharp_turn_stops_first_as_anywhere():
+    within = (-0.2 - 0.5 * LIMITS.canonical.margin, 0.0)
+    checked = check(velocity=(-0.3, 0.0), last=(0.0, 0.3), point=within)
+    assert checked.reason is Reason.NONE
+    np.testing.assert_array_equal(checked.velocity, np.zeros(2))
+
+
 def test_a_step_over_a_thin_obstacle_is_not_free():
     thin = ObstacleSet(np.array([[0.0, 0.0, 0.001, 0.5, 0.0]]))
     field = NavigationField(FIELD.workspace, FIELD.goal, 5.0, thin)
