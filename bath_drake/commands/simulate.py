@@ -4,14 +4,13 @@ import argparse
 from pathlib import Path
 
 from bath_drake.errors import ScenarioError
+from bath_drake.patient.people import shipped_people
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the scenario and what may stand in for its choices."""
     parser.add_argument("scenario", metavar="SCENARIO.yaml")
     parser.add_argument("--skill", metavar="SKILL.yaml", help="instead of its own")
-    from bath_drake.patient.people import shipped_people
-
     parser.add_argument(
         "--person",
         metavar="DIR",

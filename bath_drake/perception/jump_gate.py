@@ -108,7 +108,9 @@ class JumpGate:
         if self.agree(last, seen, since):
             return known, Verdict.ACCEPTED
         rival = state.rival
-        goes_on = rival is not None and self.agree(rival, seen, stamp - state.rival_at)
+        since = stamp - state.rival_at
+        goes_on = rival is not None and since <= LONGEST
+        goes_on = goes_on and self.agree(rival, seen, since)
         begun = state.rival_since if goes_on else stamp
         if stamp - begun >= self.relock_time - 1e-9:
             return known, Verdict.RELOCKED

@@ -18,6 +18,7 @@ from bath_drake.perception.completion import (
 )
 from bath_drake.perception.pixels import pixel_areas, points_in_world
 from bath_drake.perception.segmentation import (
+    STRIDE,
     UP_W,
     SegmentationConfig,
     segment_back,
@@ -25,9 +26,6 @@ from bath_drake.perception.segmentation import (
 
 # A back is seen whole if the robot keeps this many pixels away from it.
 TOUCH = 3.0
-
-# Every how many points the back's motion is tracked by.
-STRIDE = 4
 
 
 def observe_body(

@@ -266,8 +266,7 @@ def _trimmed(
         # Where the robot touches the back its breadth is unknown, its end expected.
         touched = morphology.dilate(robot_mask, ROBOT_RIM).ravel()[chosen]
         known = (along >= span[0]) & (along <= span[1])
-        unknown = level[touched & known]
-        breadth[unknown] = np.maximum(breadth[unknown], least)
+        breadth[level[touched & known]] = breadth.max()
     low, high = _broad_span(breadth, least)
     height = along - along.min()
     torso.ravel()[chosen[(height < low) | (height > high)]] = False

@@ -46,7 +46,7 @@ class CanonicalProjector(LeafSystem):
         - map_status
         - rejected_frames
 
-    The state is the smoothed map, the stamp of the frame it knows and what the gate
+    The state is the smoothed map, the stamp of the last frame it judged and what the gate
     remembers. While the body is lost the map stays as it is. Before the first frame
     that shows it, it is `unknown_map`, which says nothing: whoever moves the robot
     holds it then. A frame whose map jumps further than a body can is not believed:
@@ -91,29 +91,30 @@ class CanonicalProjector(LeafSystem):
 
     def _look(self, context: Context, state: State) -> EventStatus:
         observation = eval_value(self._observation, context, BodyObservation)
-        elapsed = observation.stamp - self._kept(context, self._stamp)
+        new = observation.stamp > self._kept(context, self._stamp)
         enough = len(observation.completed_points_W) >= MIN_POINTS
-        if not (observation.found and enough and elapsed > 0.0):
+        if not (observation.found and enough and new):
             return EventStatus.DidNothing()
+        # A frame is judged once, whatever becomes of it.
+        _keep(state, self._stamp, observation.stamp)
         seen = fit_canonical_map(
             observation.completed_points_W,
             UP_W,
             observation.p_WC,
             observation.completed_areas,
         )
-        memory, verdict = self._gate.next(
-            self._kept(context, self._memory), seen, observation.stamp
-        )
+        before: GateState = self._kept(context, self._memory)
+        memory, verdict = self._gate.next(before, seen, observation.stamp)
         _keep(state, self._memory, memory)
         if verdict is Verdict.REJECTED:
             return EventStatus.Succeeded()
         if verdict is Verdict.RELOCKED:
             smooth = self._filter.start(seen)
         else:
+            elapsed = observation.stamp - before.accepted_at
             smooth = self._filter.next(self._kept(context, self._smooth), seen, elapsed)
         _keep(state, self._smooth, smooth)
         _keep(state, self._map, smooth.canonical_map)
-        _keep(state, self._stamp, observation.stamp)
         return EventStatus.Succeeded()
 
     def _calc_status(self, context: Context, output: BasicVector) -> None:

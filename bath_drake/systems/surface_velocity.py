@@ -85,7 +85,7 @@ class SurfaceVelocity(LeafSystem):
         if np.isfinite(last.stamp):
             held_map: Any = context.get_abstract_state(int(self._last_map))
             p_NQ = eval_vector(self._p_NQ, context)
-            # The fits' noise is of one frame each: nothing is gained by keeping one.
+            # The reference moves on: both frames are fitted where it is now.
             velocity = self._filter.next(
                 np.array(context.get_discrete_state(int(self._velocity)).value()),
                 fit_surface(last.points_W, held_map.get_value(), p_NQ, self._radius),

@@ -56,6 +56,16 @@ def test_a_body_that_was_moved_is_taken_up_anew_after_a_second():
     assert state.rejected == 30
 
 
+def test_two_odd_frames_with_a_second_of_nothing_between_them_are_not_agreement():
+    gate = JumpGate()
+    state, _ = gate.next(GateState(), make_map(), 0.0)
+    state, first = gate.next(state, make_map(0.3), DT)
+    state, second = gate.next(state, make_map(0.3), DT + 1.5)
+    assert (first, second) == (Verdict.REJECTED, Verdict.REJECTED)
+    # From the second on they are counted anew.
+    assert state.rival_since == DT + 1.5
+
+
 def test_maps_that_agree_with_nothing_are_never_believed():
     rng = np.random.default_rng(4)
     wild = [make_map(*rng.uniform([0.5, 0.5], [3.0, 3.0])) for _ in range(200)]

@@ -102,6 +102,45 @@ def test_one_frame_counts_once(observation):
     _assert_same(_map(dut, simulator, 1.0), first)
 
 
+def test_a_frame_that_was_refused_is_not_refused_again_while_it_stands(observation):
+    dut, simulator = _projector(observation)
+    _map(dut, simulator, 0.01)
+    far = dataclasses.replace(
+        observation,
+        stamp=PERIOD,
+        completed_points_W=observation.completed_points_W + 0.3,
+    )
+    context = simulator.get_mutable_context()
+    dut.GetInputPort("body_observation").FixValue(context, Value(far))
+    simulator.AdvanceTo(1.5)
+    assert dut.GetOutputPort("rejected_frames").Eval(context)[0] == 1.0
+
+
+def test_after_a_refused_frame_the_filter_counts_from_the_last_believed_one(
+    observation,
+):
+    dut, simulator = _projector(observation)
+    _map(dut, simulator, 0.01)
+    seen = [
+        dataclasses.replace(
+            observation,
+            stamp=k * PERIOD,
+            completed_points_W=observation.completed_points_W + shift,
+        )
+        for k, shift in ((1, 0.3), (2, 0.01))
+    ]
+    context = simulator.get_mutable_context()
+    for k, frame in enumerate(seen, start=1):
+        dut.GetInputPort("body_observation").FixValue(context, Value(frame))
+        simulator.AdvanceTo(k * PERIOD + 0.01)
+    smoothing = MapFilter()
+    known = smoothing.start(_fitted(observation))
+    expected = smoothing.next(known, _fitted(seen[1]), 2.0 * PERIOD)
+    _assert_same(
+        dut.GetOutputPort("canonical_map").Eval(context), expected.canonical_map
+    )
+
+
 def test_a_lost_body_leaves_the_last_map(observation):
     dut, simulator = _projector(observation)
     first = _map(dut, simulator, 0.01)
