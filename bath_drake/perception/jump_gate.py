@@ -108,9 +108,10 @@ class JumpGate:
         if self.agree(last, seen, since):
             return known, Verdict.ACCEPTED
         rival = state.rival
-        since = stamp - state.rival_at
-        goes_on = rival is not None and since <= LONGEST
-        goes_on = goes_on and self.agree(rival, seen, since)
+        apart = stamp - state.rival_at
+        goes_on = (
+            rival is not None and apart <= LONGEST and self.agree(rival, seen, apart)
+        )
         begun = state.rival_since if goes_on else stamp
         if stamp - begun >= self.relock_time - 1e-9:
             return known, Verdict.RELOCKED

@@ -46,12 +46,12 @@ class CanonicalProjector(LeafSystem):
         - map_status
         - rejected_frames
 
-    The state is the smoothed map, the stamp of the last frame it judged and what the gate
-    remembers. While the body is lost the map stays as it is. Before the first frame
-    that shows it, it is `unknown_map`, which says nothing: whoever moves the robot
-    holds it then. A frame whose map jumps further than a body can is not believed:
-    `map_status` is 0 until one is again, and 1 otherwise; `rejected_frames` counts
-    them.
+    The state is the smoothed map, the stamp of the last frame it judged and what the
+    gate remembers. While the body is lost the map stays as it is. Before the first
+    frame that shows it, it is `unknown_map`, which says nothing: whoever moves the
+    robot holds it then. A frame whose map jumps further than a body can is not
+    believed: `map_status` is 0 until one is again, and 1 otherwise;
+    `rejected_frames` counts them.
     """
 
     def __init__(
