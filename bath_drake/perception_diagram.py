@@ -7,7 +7,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.self_filter import RobotGeometry
-from bath_drake.scenario import Scenario, segmentation
+from bath_drake.scenario import Scenario, map_follower, segmentation
 from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
@@ -46,7 +46,9 @@ def add_perception(
                 config=segmentation(scenario),
                 period=period,
             ),
-            "canonical_projector": CanonicalProjector(period=period),
+            "canonical_projector": CanonicalProjector(
+                period=period, follower=map_follower(scenario)
+            ),
             "restricted_area_detector": RestrictedAreaDetector(
                 margin=scenario.perception.area_margin,
                 period=period,

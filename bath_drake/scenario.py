@@ -9,6 +9,7 @@ import numpy as np
 from bath_drake.control.approach import ApproachLimits
 from bath_drake.errors import ScenarioError
 from bath_drake.perception.given_areas import check_polygon
+from bath_drake.perception.map_follower import MAP_FOLLOWERS, MapFollower
 from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.resources import diagrams_folder, models_folder
 from bath_drake.safety.hold import MAX_FRAME_AGE
@@ -27,6 +28,8 @@ class PerceptionConfig:
     # m, W: where a person's back may be; the Cartesian filter.
     workspace_low: list[float] = field(default_factory=lambda: [0.4, -0.6, 0.4])
     workspace_high: list[float] = field(default_factory=lambda: [1.2, 0.6, 1.6])
+    # tracked: carried along with the skin; affine: the box around each frame's mask.
+    canonical_map: str = "tracked"
     patch_radius: float = 0.03  # m, of the quadric fit
     # m, added around a restricted area: the jet's radius and the loop's error.
     area_margin: float = 0.02
@@ -121,6 +124,7 @@ def check_scenario(scenario: Scenario) -> None:
             f"allowed less than control.standoff ({scenario.control.standoff})"
         )
     approach_limits(scenario)
+    map_follower(scenario)
     for k, corners in enumerate(scenario.perception.restricted_areas):
         try:
             check_polygon(corners)
@@ -157,6 +161,17 @@ def segmentation(scenario: Scenario) -> SegmentationConfig:
         box_low_W=np.array(scenario.perception.workspace_low),
         box_high_W=np.array(scenario.perception.workspace_high),
     )
+
+
+def map_follower(scenario: Scenario) -> MapFollower:
+    """Returns how the canonical map is found; ValueError if there is no such way."""
+    found = scenario.perception.canonical_map
+    if found not in MAP_FOLLOWERS:
+        raise ValueError(
+            f"perception.canonical_map: found {found!r}, "
+            f"allowed {', '.join(MAP_FOLLOWERS)}"
+        )
+    return MAP_FOLLOWERS[found]()
 
 
 def loop_bounds(scenario: Scenario) -> LoopBounds:

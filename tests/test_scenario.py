@@ -67,6 +67,10 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
         ),
         ("scene: {carer: {waypoints: [[0, 0], [a, 1]]}}\n", "waypoints[1][0]: found"),
         ("scene: {carer: {swing: 9}}\n", "scene: carer.swing: found 9.0, allowed"),
+        (
+            "perception: {canonical_map: round}\n",
+            "perception.canonical_map: found 'round', allowed tracked, affine",
+        ),
         ("duration: 1e9\n", "duration: found 1000000000.0, allowed"),
         ("random_seed: -1\n", "random_seed: found -1"),
         ("random_seed: 1.5\n", "random_seed: found 1.5"),

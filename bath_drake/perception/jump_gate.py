@@ -88,7 +88,12 @@ class JumpGate:
         )
 
     def next(
-        self, state: GateState, seen: CanonicalMap, stamp: float
+        self,
+        state: GateState,
+        seen: CanonicalMap,
+        stamp: float,
+        *,
+        same_body: bool = True,
     ) -> tuple[GateState, Verdict]:
         """Judges a frame's map.
 
@@ -96,6 +101,8 @@ class JumpGate:
             state: What is remembered.
             seen: The map of a frame, of this alone.
             stamp: When the frame was taken, s; later than any before.
+            same_body: False where something else says that it is not the body that
+                was seen before: then it is refused however near it is.
 
         Returns:
             What to remember next, and the verdict.
@@ -105,7 +112,7 @@ class JumpGate:
         if last is None:
             return known, Verdict.RELOCKED
         since = min(stamp - state.accepted_at, LONGEST)
-        if self.agree(last, seen, since):
+        if same_body and self.agree(last, seen, since):
             return known, Verdict.ACCEPTED
         rival = state.rival
         apart = stamp - state.rival_at

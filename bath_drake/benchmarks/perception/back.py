@@ -21,11 +21,11 @@ from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.body_observation import BodyObservation
-from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
-from bath_drake.perception.map_filter import MapFilter, SmoothMap
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.map_follower import MAP_FOLLOWERS, FollowedMap, frame_map
 from bath_drake.perception.observation import observe_body
 from bath_drake.perception.pixels import points_in_world
-from bath_drake.perception.segmentation import UP_W, segment_back
+from bath_drake.perception.segmentation import segment_back
 from bath_drake.perception.surface import fit_path
 from bath_drake.scenario import Scenario, segmentation
 
@@ -52,8 +52,9 @@ class Measured:
 
     Attributes:
         iou: (f,) of the visible back, a frame.
-        coordinates: (f, n, 2) canonical ones of the same places of skin.
-        plain: Likewise of the map of each frame alone, not smoothed.
+        coordinates: (f, n, 2) canonical ones of the same places of skin, by the way
+            the map is found.
+        follow_seconds: From an observation to the tracked map.
         normal_deg: Errors of fitted normals, degrees.
         height_mm: Errors of fitted points along the normal, mm.
         seconds: From a frame to the observation.
@@ -62,8 +63,10 @@ class Measured:
     """
 
     iou: list[float] = field(default_factory=list)
-    coordinates: list[FloatArray] = field(default_factory=list)
-    plain: list[FloatArray] = field(default_factory=list)
+    coordinates: dict[str, list[FloatArray]] = field(
+        default_factory=lambda: {name: [] for name in MAP_FOLLOWERS}
+    )
+    follow_seconds: list[float] = field(default_factory=list)
     normal_deg: list[float] = field(default_factory=list)
     height_mm: list[float] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
@@ -92,9 +95,9 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
     found = Measured()
     places = _places(TrueSkin(film.person))
     previous: BodyObservation | None = None
-    smooth: SmoothMap | None = None
-    smoothing = MapFilter()
-    for frame in film.frames(times):
+    followers = {name: make() for name, make in MAP_FOLLOWERS.items()}
+    known = dict.fromkeys(MAP_FOLLOWERS, FollowedMap())
+    for k, frame in enumerate(film.frames(times)):
         begin = time.perf_counter()
         previous = _observe(film, frame, previous)
         found.seconds.append(time.perf_counter() - begin)
@@ -102,24 +105,22 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
         found.iou.append(float(both / max((previous.mask | frame.back).sum(), 1)))
         if not previous.found:
             continue
-        seen = fit_canonical_map(
-            previous.completed_points_W,
-            UP_W,
-            previous.p_WC,
-            previous.completed_areas,
-        )
-        if smooth is None:
-            smooth = smoothing.start(seen)
-        else:
-            smooth = smoothing.next(smooth, seen, period)
         corners, weights = places
         bent = frame.skin.bent
         assert bent is not None  # a film's skin always says where it is
         now_W = frame.in_world(np.einsum("nk,nki->ni", weights, bent[corners]))
-        found.coordinates.append(smooth.canonical_map.canonical_from_world(now_W))
-        found.plain.append(seen.canonical_from_world(now_W))
-        if len(found.coordinates) % 5:
+        for name, follower in followers.items():
+            begin = time.perf_counter()
+            known[name] = follower.next(known[name], previous)
+            if name == "tracked":
+                found.follow_seconds.append(time.perf_counter() - begin)
+            smooth = known[name].smooth
+            assert smooth is not None  # of a found body there is a map
+            now_N = smooth.canonical_map.canonical_from_world(now_W)
+            found.coordinates[name].append(now_N)
+        if k % 5:
             continue
+        seen = frame_map(previous)
         found.segment_seconds.append(_segment_seconds(film, frame))
         normals, heights, seconds = _surface(previous, seen, frame)
         found.normal_deg.extend(normals)
@@ -195,8 +196,8 @@ def _row(name: str, motion: str, found: Measured) -> Row:
         "motion": motion,
         "iou_mean": round(float(np.mean(found.iou)), 3),
         "iou_worst": round(min(found.iou), 3),
-        "canonical_rms": round(spread(found.coordinates), 4),
-        "canonical_rms_unsmoothed": round(spread(found.plain), 4),
+        "canonical_rms": round(spread(found.coordinates["tracked"]), 4),
+        "canonical_rms_affine": round(spread(found.coordinates["affine"]), 4),
         "normal_median_deg": round(float(np.median(found.normal_deg)), 2),
         "normal_95_deg": round(float(np.quantile(found.normal_deg, 0.95)), 2),
         "height_rms_mm": round(float(np.sqrt(np.mean(np.square(found.height_mm)))), 2),
@@ -212,18 +213,28 @@ def _figures(measured: dict[tuple[str, str], Measured]) -> list[Figure]:
     seconds = np.concatenate([m.seconds for m in everything])
     segments = np.concatenate([m.segment_seconds for m in everything])
     fits = np.concatenate([m.fit_seconds for m in everything])
+    follows = np.concatenate([m.follow_seconds for m in everything])
     figures = [
         Figure("back_iou_mean", float(iou.mean()), "", IOU_MEAN, "at least"),
         Figure("back_iou_worst", float(iou.min()), "", IOU_WORST, "at least"),
         Figure("segment_time", 1e3 * float(np.median(segments)), "ms", SEGMENT_MS),
         Figure("observe_time", 1e3 * float(np.median(seconds)), "ms"),
+        Figure("follow_time", 1e3 * float(np.median(follows)), "ms"),
     ]
     for motion in MOTIONS:
-        worst = max(
-            spread(m.coordinates) for (_, k), m in measured.items() if k == motion
-        )
+        worst = {
+            name: max(
+                spread(m.coordinates[name])
+                for (_, k), m in measured.items()
+                if k == motion
+            )
+            for name in MAP_FOLLOWERS
+        }
         target = STILL_RMS if motion == "still" else MOVING_RMS
-        figures.append(Figure(f"canonical_rms_{motion}", worst, "", target))
+        figures += [
+            Figure(f"canonical_rms_{motion}", worst["tracked"], "", target),
+            Figure(f"canonical_rms_{motion}_affine", worst["affine"], ""),
+        ]
     bent = bending_skin(load_person(shipped_people()[0]))
     figures += [
         Figure(
