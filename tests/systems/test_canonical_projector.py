@@ -21,7 +21,7 @@ def observation():
     # A back with a hump, seen along y: a surface that has one place to lie.
     x, z = rng.uniform(-1, 1, (2, 20000)) * [[0.17], [0.25]]
     y = 1.2 * x**2 + 0.3 * z**2 - 0.02 * np.exp(-(x**2 + z**2) / 0.05**2)
-    points = np.column_stack([x, y, z]) + [0.7, 0.0, 0.9]
+    points = np.column_stack([x + 0.7, y, z + 0.9])
     return dataclasses.replace(
         BodyObservation(),
         found=True,
