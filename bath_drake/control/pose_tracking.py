@@ -35,27 +35,32 @@ class TrackingConfig:
                 raise ValueError(f"{name} must be positive and finite, got {value}")
 
 
-def rotation_vector(R: FloatArray) -> FloatArray:
-    """Returns axis times angle (3,), rad, of a rotation (3, 3); angle in [0, pi]."""
-    vector = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine = float(np.linalg.norm(vector))
-    cosine = 0.5 * (float(np.trace(R)) - 1.0)
-    if sine > 1e-7:
-        scaled: FloatArray = vector / sine * np.arctan2(sine, cosine)
-        return scaled
-    if cosine > 0.0:
-        return vector
-    # Half a turn: the axis is the column of R + 1 that is not zero.
-    axis = (R + np.eye(3))[:, int(np.argmax(np.diag(R)))]
-    half: FloatArray = np.pi * axis / np.linalg.norm(axis)
-    return half
-
-
-def pose_difference(
+def jet_difference(
     R_from: FloatArray, p_from: FloatArray, R_to: FloatArray, p_to: FloatArray
 ) -> FloatArray:
-    """Returns (6,) rotation vector (rad) and translation (m) between two poses."""
-    return np.concatenate([rotation_vector(R_to @ R_from.T), p_to - p_from])
+    """Returns (6,) what takes one jet to another: a turn (rad) and a shift (m).
+
+    The least turn from one z axis to the other: about neither of them. A turn about
+    the jet itself is nothing to a round one, and would use up what a bound on the
+    angular speed leaves to the others.
+    """
+    z_from, z_to = R_from[:, 2], R_to[:, 2]
+    axis = np.cross(z_from, z_to)
+    sine, cosine = float(np.linalg.norm(axis)), float(z_from @ z_to)
+    if sine > 1e-12:
+        turn = axis / sine * np.arctan2(sine, cosine)
+    elif cosine > 0.0:
+        turn = axis
+    else:  # opposite: any turn by a half about an axis across
+        turn = np.pi * R_from[:, 0]
+    return np.concatenate([turn, p_to - p_from])
+
+
+def across_jet(twist: FloatArray, R: FloatArray) -> FloatArray:
+    """Returns the twist (6,) without its turn about the jet, the z axis of R (3, 3)."""
+    left = np.array(twist, dtype=np.float64)
+    left[:3] -= (left[:3] @ R[:, 2]) * R[:, 2]
+    return left
 
 
 def is_pose(R: FloatArray, p: FloatArray) -> bool:

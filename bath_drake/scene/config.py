@@ -85,16 +85,16 @@ class ArmConfig:
     """
 
     base_position: list[float] = field(
-        default_factory=lambda: [0.096, 0.013, 0.203]
+        default_factory=lambda: [0.0, -0.05, 0.15]
     )  # m, W
     base_yaw: float = 0.0  # rad
     home: list[float] = field(
-        default_factory=lambda: [0.385, 1.275, -1.198, -2.428, -1.49, 1.105, 2.006]
+        default_factory=lambda: [-0.71, -0.762, 0.823, -1.608, 0.951, 1.22, 0.385]
     )  # rad, beside and behind the person, out of the camera's view of the back
     # rad, to the middle of its joints' ranges while it washes: the null space is
     # drawn here, and so away from the limits.
     posture: list[float] = field(
-        default_factory=lambda: [1.3, 1.18, -1.35, -2.2, -1.85, 1.35, 0.9]
+        default_factory=lambda: [-0.8, 0.4, 0.4, -1.1, 1.75, 1.25, 0.3]
     )
     # N m/rad and N m s/rad, the implicit PD of each joint.
     stiffness: list[float] = field(

@@ -15,10 +15,11 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.control.pose_tracking import (
     TrackingConfig,
+    across_jet,
     is_pose,
+    jet_difference,
     next_feed_forward,
     next_twist,
-    pose_difference,
 )
 from bath_drake.notation import FloatArray
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
@@ -170,9 +171,9 @@ class DifferentialIk(LeafSystem):
         feed_forward = np.zeros(6)
         if state[_SEEN] > 0.5:
             last = state[_DESIRED].reshape(3, 4)
-            moved = pose_difference(last[:, :3], last[:, 3], R_d, p_d)
+            moved = jet_difference(last[:, :3], last[:, 3], R_d, p_d)
             feed_forward = next_feed_forward(state[_FEED_FORWARD], moved, tracking, dt)
-        error = pose_difference(R, p, R_d, p_d)
+        error = jet_difference(R, p, R_d, p_d)
         twist = next_twist(state[_TWIST], error, feed_forward, tracking, dt)
         v = self._solve(state[_V], twist)
         if v is None:
@@ -180,8 +181,9 @@ class DifferentialIk(LeafSystem):
         after = state.copy()
         after[_Q] = state[_Q] + dt * v
         after[_V] = v
-        # What the joints really do: the solver may have slowed the motion down.
-        after[_TWIST] = self._spatial_velocity(v)
+        # What the joints really do: the solver may have slowed the motion down. They
+        # turn about the jet as they like.
+        after[_TWIST] = across_jet(self._spatial_velocity(v), R)
         after[_FEED_FORWARD] = feed_forward
         after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
         after[_SEEN], after[_STATUS] = 1.0, STATUS_OK

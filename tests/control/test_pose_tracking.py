@@ -6,12 +6,12 @@ from scipy.spatial.transform import Rotation
 
 from bath_drake.control.pose_tracking import (
     TrackingConfig,
+    across_jet,
     is_pose,
+    jet_difference,
     limited,
     next_feed_forward,
     next_twist,
-    pose_difference,
-    rotation_vector,
 )
 
 DT = 0.005
@@ -33,46 +33,14 @@ class Follower:
     def step(self, R, p):
         last = (R, p) if self.last is None else self.last
         self.feed_forward = next_feed_forward(
-            self.feed_forward, pose_difference(*last, R, p), self.config, DT
+            self.feed_forward, jet_difference(*last, R, p), self.config, DT
         )
         self.last = R, p
-        error = pose_difference(self.R, self.p, R, p)
+        error = jet_difference(self.R, self.p, R, p)
         self.twist = next_twist(self.twist, error, self.feed_forward, self.config, DT)
         turn = Rotation.from_rotvec(DT * self.twist[:3]).as_matrix()
         self.R, self.p = turn @ self.R, self.p + DT * self.twist[3:]
-        return pose_difference(self.R, self.p, R, p)
-
-
-@given(vector=VECTOR)
-def test_the_rotation_vector_is_scipys(vector):
-    R = Rotation.from_rotvec(vector).as_matrix()
-    turn = Rotation.from_matrix(R).magnitude()
-    again = Rotation.from_rotvec(rotation_vector(R))
-    # The rotation, for the sign of half a turn is free. Its sine is known to 1e-16,
-    # so close to half a turn the angle is known to the root of that.
-    near_half_a_turn = abs(turn - np.pi) < 1e-3
-    atol = 1e-6 if near_half_a_turn else 1e-9
-    np.testing.assert_allclose(again.as_matrix(), R, atol=atol)
-    assert np.linalg.norm(rotation_vector(R)) <= np.pi + 1e-9
-
-
-@pytest.mark.parametrize("axis", [[1, 0, 0], [0, -1, 0], [0.6, 0, 0.8], [-1, 1, 1]])
-def test_half_a_turn_has_its_axis_too(axis):
-    axis = np.array(axis, dtype=float) / np.linalg.norm(axis)
-    vector = rotation_vector(Rotation.from_rotvec(np.pi * axis).as_matrix())
-    # The sign is free; 1e-7 is the threshold between the branches.
-    assert abs(vector @ axis) == pytest.approx(np.pi, abs=1e-7)
-
-
-@given(a=VECTOR, b=VECTOR)
-def test_the_difference_leads_from_one_pose_to_the_other(a, b):
-    R_from = Rotation.from_rotvec(a).as_matrix()
-    R_to = Rotation.from_rotvec(b).as_matrix()
-    difference = pose_difference(R_from, a, R_to, b)
-    led = Rotation.from_rotvec(difference[:3]).as_matrix() @ R_from
-    np.testing.assert_allclose(led, R_to, atol=1e-6)  # see the half turn above
-    # 1e-14: one subtraction and one addition of numbers up to 4.
-    np.testing.assert_allclose(a + difference[3:], b, atol=1e-14)
+        return jet_difference(self.R, self.p, R, p)
 
 
 def test_only_rotations_with_finite_origins_are_poses():
@@ -176,3 +144,39 @@ def test_the_feed_forward_takes_its_time_constant_to_come_in():
 def test_gains_and_limits_must_be_positive(name, value):
     with pytest.raises(ValueError, match=f"{name} must be positive"):
         TrackingConfig(**{name: value})
+
+
+TURN = st.tuples(*3 * [st.floats(-3.0, 3.0)]).map(np.array)
+
+
+@given(first=TURN, second=TURN)
+def test_the_jet_s_difference_takes_one_jet_to_the_other_and_turns_about_neither(
+    first, second
+):
+    R, R_to = (Rotation.from_rotvec(turn).as_matrix() for turn in (first, second))
+    difference = jet_difference(R, np.zeros(3), R_to, np.ones(3))
+    turned = Rotation.from_rotvec(difference[:3]).as_matrix() @ R[:, 2]
+    # A square root of rounding where the two are nearly one.
+    np.testing.assert_allclose(turned, R_to[:, 2], atol=1e-7)
+    assert abs(difference[:3] @ R[:, 2]) < 1e-9
+    np.testing.assert_array_equal(difference[3:], np.ones(3))
+
+
+def test_a_turn_about_the_jet_is_no_difference_and_a_half_turn_is_one():
+    R = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
+    rolled = R @ Rotation.from_rotvec([0.0, 0.0, 2.0]).as_matrix()
+    assert np.abs(jet_difference(R, np.zeros(3), rolled, np.zeros(3))).max() < 1e-9
+    opposite = R @ np.diag([1.0, -1.0, -1.0])
+    turn = jet_difference(R, np.zeros(3), opposite, np.zeros(3))[:3]
+    assert np.linalg.norm(turn) == pytest.approx(np.pi)
+    assert abs(turn @ R[:, 2]) < 1e-9
+
+
+@given(turn=TURN)
+def test_a_twist_across_the_jet_keeps_the_rest(turn):
+    R = Rotation.from_rotvec(turn).as_matrix()
+    twist = np.array([0.4, -1.0, 0.7, 0.1, 0.2, -0.3])
+    left = across_jet(twist, R)
+    assert abs(left[:3] @ R[:, 2]) < 1e-12
+    np.testing.assert_allclose(np.cross(left[:3] - twist[:3], R[:, 2]), 0, atol=1e-12)
+    np.testing.assert_array_equal(left[3:], twist[3:])
