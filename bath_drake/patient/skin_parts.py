@@ -13,8 +13,6 @@ from bath_drake.patient.shell import THICKNESS_M, foldable, with_inside
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.wound import WoundPatch
 
-_WOUND_RGBA = (0.05, 0.03, 0.03, 1.0)
-
 
 @dataclass(frozen=True, eq=False)
 class SkinPart:
@@ -49,7 +47,9 @@ def skin_parts(person: Person, wound: WoundPatch | None) -> tuple[SkinPart, ...]
     if wound is not None:
         below = wound.vertices - THICKNESS_M * wound.normals
         shell = follow(bending, skin, np.vstack([wound.vertices, below]))
-        parts.append(SkinPart("wound", shell, wound.triangles, np.array(_WOUND_RGBA)))
+        parts.append(
+            SkinPart("wound", shell, wound.triangles, np.append(wound.colour, 1.0))
+        )
     return tuple(parts)
 
 

@@ -1,9 +1,10 @@
-"""A wound on the true skin: a thin dark patch and its outline.
+"""A wound on the true skin: a thin patch and its outline.
 
 Placed and drawn with the true mesh, so it belongs to the scene and to the
 verification; the controller has to find it in the camera's image.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ _CELL_M = 0.004
 _LIFT_M = 0.0008
 _OUTLINE_POINTS = 96
 
+# Red, green, blue, 0 to 1, of a scab.
+DARK = (0.05, 0.03, 0.03)
+
 
 @dataclass(frozen=True, eq=False)
 class WoundPatch:
@@ -28,16 +32,22 @@ class WoundPatch:
         normals: (n, 3) unit, out of the body.
         triangles: (m, 3) vertex indices.
         outline: (k, 3) m, its boundary on the skin, closed implicitly.
+        colour: (3,) red, green, blue, 0 to 1.
     """
 
     vertices: FloatArray
     normals: FloatArray
     triangles: IntArray
     outline: FloatArray
+    colour: FloatArray
 
 
 def wound_patch(
-    person: Person, centre: FloatArray, semi_axes: FloatArray, angle: float
+    person: Person,
+    centre: FloatArray,
+    semi_axes: FloatArray,
+    angle: float,
+    colour: Sequence[float] = DARK,
 ) -> WoundPatch:
     """Lays an ellipse of the true canonical plane on the skin.
 
@@ -46,6 +56,7 @@ def wound_patch(
         centre: (2,) in true canonical coordinates (`TrueSkin.canonical_map`).
         semi_axes: (2,) in true canonical coordinates.
         angle: Of the first semi-axis, rad, counter-clockwise.
+        colour: Red, green, blue, 0 to 1.
 
     Raises:
         ValueError: If part of the ellipse would hang beside the back.
@@ -71,6 +82,7 @@ def wound_patch(
         normals=normals,
         triangles=_disc_triangles(rings, _OUTLINE_POINTS),
         outline=points[-_OUTLINE_POINTS:],
+        colour=np.array(colour),
     )
 
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import FloatArray
+from bath_drake.perception.area_memory import merge_areas
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.restricted import enclosing_ellipse, merge_areas
+from bath_drake.perception.ellipses import enclosing_ellipse
 
 # The box of the back is [-1, 1]^2; an area may reach over its edge.
 FURTHEST = 1.5

@@ -8,6 +8,7 @@ import numpy as np
 from bath_drake.carer.config import CarerConfig, check_carer
 from bath_drake.notation import FloatArray
 from bath_drake.patient.motion import MotionConfig, check_motion
+from bath_drake.patient.wound import DARK
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.colour_noise import ColourNoiseConfig, check_colour_noise
 from bath_drake.perception.depth_sensor import CAMERA_MODELS
@@ -105,11 +106,14 @@ class ArmConfig:
 
 @dataclass(kw_only=True)
 class WoundConfig:
-    """A dark elliptic patch on the back, in the back's canonical coordinates."""
+    """An elliptic patch on the back, in the back's canonical coordinates."""
 
     centre: list[float] = field(default_factory=lambda: [0.0, 0.0])  # dimensionless
     semi_axes: list[float] = field(default_factory=lambda: [0.2, 0.15])  # dimensionless
     angle: float = 0.0  # rad, counter-clockwise as seen from behind
+    colour: list[float] = field(
+        default_factory=lambda: list(DARK)
+    )  # red, green, blue, 0 to 1: dark as a scab
 
 
 @dataclass(kw_only=True)
@@ -205,5 +209,7 @@ def _check_wound(wound: WoundConfig) -> None:
             raise ValueError(f"wound.{name} must be 2 finite numbers, got {values}")
     if min(wound.semi_axes) <= 0.0:
         raise ValueError(f"wound.semi_axes must be positive, got {wound.semi_axes}")
+    if len(wound.colour) != 3 or not all(0.0 <= c <= 1.0 for c in wound.colour):
+        raise ValueError(f"wound.colour: found {wound.colour}, allowed three of 0 to 1")
     if not np.isfinite(wound.angle):
         raise ValueError(f"wound.angle must be finite, got {wound.angle}")

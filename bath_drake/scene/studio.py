@@ -52,7 +52,6 @@ WOUND_LABEL = 110
 _RENDERER = "vtk"
 # What the camera can see at all, m; its depth range is CameraConfig's.
 _CLIPPING = (0.1, 6.0)
-_WOUND_COLOUR = Rgba(0.05, 0.03, 0.03)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +200,7 @@ def true_wound(config: SceneConfig, person: Person) -> WoundPatch | None:
         np.array(config.wound.centre),
         np.array(config.wound.semi_axes),
         config.wound.angle,
+        config.wound.colour,
     )
 
 
@@ -219,7 +219,7 @@ def _add_rigid_parts(
     scene_graph.RegisterGeometry(
         source,
         frame,
-        coloured(shape, RigidTransform(), "wound", _WOUND_COLOUR, WOUND_LABEL),
+        coloured(shape, RigidTransform(), "wound", Rgba(*wound.colour), WOUND_LABEL),
     )
 
 

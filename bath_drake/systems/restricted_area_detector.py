@@ -8,10 +8,11 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.perception.area_memory import AreaKeeper, AreaMemory, seen_in_full
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.given_areas import check_polygon, given_areas
-from bath_drake.perception.restricted import find_restricted_areas, merge_areas
+from bath_drake.perception.restricted import find_restricted_areas
 from bath_drake.systems._ports import eval_value
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S, unknown_map
 
@@ -28,10 +29,10 @@ class RestrictedAreaDetector(LeafSystem):
         output_ports:
         - sensed_obstacles
 
-    The state is the set of ellipses in N seen so far. N moves with the body, so an
-    area the robot hides now is still where it was; once seen it stays for the run
-    and only ever grows. The areas that the carer gave are there from the first frame
-    that shows the body.
+    The state is an `AreaMemory` of ellipses in N. N moves with the body, so an area
+    the robot hides now is still where it was. It is kept off from the first frame on
+    that shows it; after some more it stays for the run and only ever grows. The areas
+    that the carer gave are there from the first frame that shows the body.
     """
 
     def __init__(
@@ -68,9 +69,15 @@ class RestrictedAreaDetector(LeafSystem):
             "body_observation", Value(BodyObservation())
         )
         self._map = self.DeclareAbstractInputPort("canonical_map", Value(unknown_map()))
-        self._areas = self.DeclareAbstractState(Value(ObstacleSet()))
-        self._started = self.DeclareAbstractState(Value[object](False))
-        self.DeclareStateOutputPort("sensed_obstacles", self._areas)
+        self._keeper = AreaKeeper()
+        self._memory = self.DeclareAbstractState(Value(AreaMemory()))
+        self._stamp = self.DeclareAbstractState(Value[object](-np.inf))
+        self.DeclareAbstractOutputPort(
+            "sensed_obstacles",
+            lambda: Value(ObstacleSet()),
+            self._calc_areas,
+            {self.abstract_state_ticket(self._memory)},
+        )
         # A frame's own map comes with the projector's delay; look after that.
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             period, 2.0 * FRAME_DELAY_S, self._look
@@ -78,18 +85,32 @@ class RestrictedAreaDetector(LeafSystem):
 
     def _look(self, context: Context, state: State) -> EventStatus:
         observation = eval_value(self._observation, context, BodyObservation)
-        if not observation.found:
+        stamps: Any = context.get_abstract_state(int(self._stamp))
+        if not (observation.found and observation.stamp > stamps.get_value()):
             return EventStatus.DidNothing()
-        last: Any = context.get_abstract_state(int(self._areas))
-        started: Any = context.get_abstract_state(int(self._started))
-        known: ObstacleSet = last.get_value()
         canonical_map = eval_value(self._map, context, CanonicalMap)
-        if not started.get_value():
-            known = given_areas(self._given, canonical_map, self._margin)
-            state.get_mutable_abstract_state(int(self._started)).set_value(True)
+        if np.isfinite(stamps.get_value()):
+            memory = self._remembered(context)
+        else:
+            given = given_areas(self._given, canonical_map, self._margin)
+            memory = AreaMemory(confirmed=given)
         seen = find_restricted_areas(
             observation, canonical_map, self._margin, self._min_area
         )
-        areas = merge_areas(known, seen)
-        state.get_mutable_abstract_state(int(self._areas)).set_value(areas)
+        memory = self._keeper.next(
+            memory,
+            seen,
+            observation.stamp,
+            lambda ellipse: seen_in_full(ellipse, observation, canonical_map),
+        )
+        state.get_mutable_abstract_state(int(self._memory)).set_value(memory)
+        state.get_mutable_abstract_state(int(self._stamp)).set_value(observation.stamp)
         return EventStatus.Succeeded()
+
+    def _calc_areas(self, context: Any, output: Any) -> None:
+        output.set_value(self._remembered(context).areas)
+
+    def _remembered(self, context: Context) -> AreaMemory:
+        held: Any = context.get_abstract_state(int(self._memory))
+        memory: AreaMemory = held.get_value()
+        return memory

@@ -19,7 +19,7 @@ from bath_drake.perception.pixels import (
     facing_along,
     pixel_normals,
 )
-from bath_drake.perception.restricted import LEAST_BRIGHTNESS, relative_brightness
+from bath_drake.perception.skin_colour import LEAST_BRIGHTNESS, skin_deviations
 from bath_drake.perception.surface import fit_surface
 
 # Sums of some ten thousand numbers of order one, in another order.
@@ -93,7 +93,8 @@ def test_skin_brightness_is_the_least_squares_quadratic(draw_frame):
     basis = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
     around = basis @ np.linalg.lstsq(basis, value, rcond=None)[0]
     assert around.min() > LEAST_BRIGHTNESS
-    assert np.abs(relative_brightness(observation) - value / around).max() < ROUNDING
+    found = skin_deviations(observation)[:, 0]
+    assert np.abs(found - np.log(value / around)).max() < ROUNDING
 
 
 def test_a_quadric_without_noise_is_found_to_rounding(rng):

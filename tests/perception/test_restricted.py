@@ -3,12 +3,11 @@ import pytest
 
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.patient.people import shipped_people
+from bath_drake.perception.area_memory import merge_areas
 from bath_drake.perception.canonical import fit_canonical_map
-from bath_drake.perception.restricted import (
-    enclosing_ellipse,
-    find_restricted_areas,
-    merge_areas,
-)
+from bath_drake.perception.colour_noise import ColourNoiseConfig, noisy_colour
+from bath_drake.perception.ellipses import enclosing_ellipse
+from bath_drake.perception.restricted import find_restricted_areas
 from bath_drake.perception.segmentation import UP_W
 
 PEOPLE = shipped_people()
@@ -161,3 +160,47 @@ def test_rendered_people_have_the_wounds_they_have(render_person, person):
     assert len(_find(frame)) == 1
     hidden = render_person(person, arm=(0.05, 0.5))
     assert len(_find(hidden, previous=clear.observe())) == 0
+
+
+@pytest.mark.parametrize("skin", [(245, 220, 205), (200, 150, 120), (90, 60, 45)])
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("red", (1.05, 0.6, 0.6)),
+        ("mildly red", (1.0, 0.82, 0.82)),
+        ("bruise", (0.75, 0.75, 1.0)),
+        ("yellow", (1.0, 0.95, 0.7)),
+        ("pale", (1.0, 1.2, 1.35)),
+    ],
+)
+def test_an_area_of_another_colour_is_found_on_skin_of_every_tone(
+    draw_frame, skin, name, change
+):
+    frame = draw_frame(skin=skin, wound=WOUND)
+    wound = (frame.colour == (25, 12, 12)).all(axis=-1)
+    frame.colour[wound] = np.clip(np.array(skin) * change, 0, 255).astype(np.uint8)
+    areas = _find(frame)
+    assert len(areas) == 1
+    _, _, a, b, _ = _map(frame.observe()).ellipse_from_canonical(areas.theta[0])
+    # As of the dark one: its own size, the margin and a pixel or two beside it.
+    assert 0.058 <= a <= 0.076
+    assert 0.048 <= b <= 0.066
+
+
+@pytest.mark.parametrize("light", [1.0, 0.5])
+@pytest.mark.parametrize("tone", [(1.0, 1.0, 1.0), (1.08, 1.0, 0.9), (0.92, 1.0, 1.1)])
+def test_light_of_another_brightness_or_tone_makes_no_area(draw_frame, light, tone):
+    frame = draw_frame()
+    lit = frame.colour * (light * np.array(tone))
+    frame.colour = np.clip(lit, 0, 255).astype(np.uint8)
+    assert len(_find(frame)) == 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("skin", [(245, 220, 205), (60, 38, 28)])
+def test_a_cameras_noise_makes_no_area(draw_frame, skin, seed):
+    frame = draw_frame(skin=skin)
+    frame.colour = noisy_colour(
+        frame.colour, ColourNoiseConfig(exposure=0.6), seed=seed, frame=0, t=5.0 * seed
+    )
+    assert len(_find(frame)) == 0

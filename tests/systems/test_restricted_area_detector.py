@@ -19,7 +19,7 @@ BODY = CanonicalMap(
 )
 
 
-def _observation(wound=True):
+def _observation(wound=True, stamp=0.0):
     """A level back of 4 mm pixels, with a dark disc of 30 mm or without."""
     rows, columns = np.mgrid[10:110, 10:90]
     pixels = np.column_stack([columns.ravel(), rows.ravel()])
@@ -32,6 +32,7 @@ def _observation(wound=True):
     return dataclasses.replace(
         BodyObservation(),
         found=True,
+        stamp=stamp,
         mask=mask,
         robot_mask=np.zeros_like(mask),
         pixels=pixels,
@@ -64,10 +65,37 @@ def test_the_areas_are_those_of_the_pure_function(simulator):
     assert areas == find_restricted_areas(_observation(), BODY, MARGIN)
 
 
-def test_an_area_once_seen_stays(simulator):
-    before = _look(simulator, _observation(), 0.5 * PERIOD)
-    assert _look(simulator, _observation(wound=False), 1.5 * PERIOD) == before
-    assert _look(simulator, BodyObservation(), 2.5 * PERIOD) == before
+def test_an_area_seen_for_some_frames_stays(simulator):
+    for k in range(5):
+        before = _look(simulator, _observation(stamp=k * PERIOD), (k + 0.5) * PERIOD)
+    for k in range(5, 30):
+        clear = _observation(wound=False, stamp=k * PERIOD)
+        assert _look(simulator, clear, (k + 0.5) * PERIOD) == before
+    assert _look(simulator, BodyObservation(), 31 * PERIOD) == before
+
+
+def test_an_area_that_one_frame_showed_goes_after_a_second_of_clear_skin(simulator):
+    assert len(_look(simulator, _observation(), 0.5 * PERIOD)) == 1
+    counts = [
+        len(
+            _look(
+                simulator,
+                _observation(wound=False, stamp=k * PERIOD),
+                (k + 0.5) * PERIOD,
+            )
+        )
+        for k in range(1, 14)
+    ]
+    assert counts == [1] * 10 + [0] * 3
+
+
+def test_one_frame_counts_once(simulator):
+    assert len(_look(simulator, _observation(), 2.5)) == 1
+    # Twenty-five looks at one frame confirm nothing: a second of clear skin clears it.
+    for k in range(26, 40):
+        clear = _observation(wound=False, stamp=k * PERIOD)
+        areas = _look(simulator, clear, (k + 0.5) * PERIOD)
+    assert len(areas) == 0
 
 
 def test_without_a_body_nothing_is_sensed(simulator):
@@ -99,7 +127,8 @@ def test_what_the_carer_gave_is_there_from_the_first_frame_on():
     simulator.AdvanceTo(0.15)
     np.testing.assert_array_equal(port.Eval(context).theta, expected.theta)
     # A wound that is seen later is another area; the given one stays as it is.
-    dut.GetInputPort("body_observation").FixValue(context, Value(_observation()))
+    wounded = _observation(stamp=0.2)
+    dut.GetInputPort("body_observation").FixValue(context, Value(wounded))
     simulator.AdvanceTo(0.35)
     theta = port.Eval(context).theta
     assert len(theta) == 2

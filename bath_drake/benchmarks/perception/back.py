@@ -13,6 +13,7 @@ from bath_drake.benchmarks.perception.filmed import (
     Filmed,
     Frame,
     filmed,
+    observed,
 )
 from bath_drake.benchmarks.timing import best_seconds
 from bath_drake.notation import FloatArray, IntArray
@@ -23,7 +24,6 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, FollowedMap, frame_map
-from bath_drake.perception.observation import observe_body
 from bath_drake.perception.pixels import points_in_world
 from bath_drake.perception.segmentation import segment_back
 from bath_drake.perception.surface import fit_path
@@ -99,7 +99,7 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
     known = dict.fromkeys(MAP_FOLLOWERS, FollowedMap())
     for k, frame in enumerate(film.frames(times)):
         begin = time.perf_counter()
-        previous = _observe(film, frame, previous)
+        previous = observed(film, frame, previous)
         found.seconds.append(time.perf_counter() - begin)
         both = (previous.mask & frame.back).sum()
         found.iou.append(float(both / max((previous.mask | frame.back).sum(), 1)))
@@ -135,22 +135,6 @@ def _places(skin: TrueSkin) -> tuple[IntArray, FloatArray]:
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     points, met = skin.under(grid)
     return skin.bind(points[met])
-
-
-def _observe(
-    film: Filmed, frame: Frame, previous: BodyObservation | None
-) -> BodyObservation:
-    return observe_body(
-        frame.colour,
-        frame.depth.astype(np.float64),
-        np.zeros(frame.depth.shape, dtype=bool),
-        camera=film.camera,
-        R_WC=film.scene.camera.rotation(),
-        p_WC=np.array(film.scene.camera.eye),
-        config=segmentation(Scenario()),
-        stamp=frame.t,
-        previous=previous,
-    )
 
 
 def _segment_seconds(film: Filmed, frame: Frame) -> float:

@@ -17,8 +17,11 @@ from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.washed_skin import triangles_around_back
+from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.depth_noise import noisy_depth
+from bath_drake.perception.observation import observe_body
+from bath_drake.scenario import Scenario, segmentation
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import (
     PERSON_LABELS,
@@ -121,3 +124,20 @@ def filmed(name: str, motion: MotionConfig) -> Filmed:
     scene = SceneConfig(person=name, motion=motion)
     person = load_person(name)
     return Filmed(scene, person, bending_skin(person), scene.camera.pinhole())
+
+
+def observed(
+    film: Filmed, frame: Frame, previous: BodyObservation | None
+) -> BodyObservation:
+    """Returns what perception makes of a frame, there being no robot."""
+    return observe_body(
+        frame.colour,
+        frame.depth.astype(np.float64),
+        np.zeros(frame.depth.shape, dtype=bool),
+        camera=film.camera,
+        R_WC=film.scene.camera.rotation(),
+        p_WC=np.array(film.scene.camera.eye),
+        config=segmentation(Scenario()),
+        stamp=frame.t,
+        previous=previous,
+    )
