@@ -237,6 +237,12 @@ def _close_loop(
     )
     connect(
         builder,
+        perception["canonical_projector"],
+        "recalled_skin",
+        [surface, control["surface_velocity"]],
+    )
+    connect(
+        builder,
         perception["restricted_area_detector"],
         "sensed_obstacles",
         [control["world_reconciler"]],

@@ -60,6 +60,13 @@ class HeightField:
         return HeightField(counts, sums, surface, known)
 
 
+def counted(p_B: FloatArray) -> FloatArray:
+    """Returns how many of points (n, 3), m, lie over each cell (CELLS, CELLS)."""
+    counts, sums = _grid(), _grid()
+    _gather(np.ascontiguousarray(p_B, dtype=np.float64), counts, sums)
+    return counts
+
+
 @njit(cache=True)
 def _gather(p_B: FloatArray, counts: FloatArray, sums: FloatArray) -> None:
     for n in range(len(p_B)):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import (
@@ -12,6 +12,7 @@ from bath_drake.perception.canonical import (
 )
 from bath_drake.perception.jump_gate import GateState, JumpGate, Verdict
 from bath_drake.perception.map_filter import MapFilter, SmoothMap
+from bath_drake.perception.recalled_skin import RecalledSkin, recall
 from bath_drake.perception.segmentation import UP_W
 from bath_drake.perception.tracked_map import MapTracker, TrackedBody
 
@@ -25,12 +26,15 @@ class FollowedMap:
         body: The skin it is carried along with; None if only the mask is looked at.
         gate: Which maps were believed.
         stamp: Of the last frame that was judged, s: each is judged once.
+        recalled: What the robot hides of the skin in the last frame that was believed;
+            none where only the mask is looked at.
     """
 
     smooth: SmoothMap | None = None
     body: TrackedBody | None = None
     gate: GateState = field(default_factory=GateState)
     stamp: float = -math.inf
+    recalled: RecalledSkin = field(default_factory=RecalledSkin)
 
     def __deepcopy__(self, memo: object) -> "FollowedMap":
         """Returns itself, for it never changes: a copy has some 300 kilobytes."""
@@ -73,14 +77,17 @@ class MapFollower:
         stamp = observation.stamp
         gate, verdict = self.gate.next(known.gate, newest, stamp, same_body=not lost)
         if verdict is Verdict.REJECTED:
-            return FollowedMap(known.smooth, known.body, gate, stamp)
+            return replace(known, gate=gate, stamp=stamp)
         if verdict is Verdict.RELOCKED or known.smooth is None:
             if self.tracker is not None:
                 body = self.tracker.start(seen, observation.points_W, stamp)
             return FollowedMap(self.smoothing.start(seen), body, gate, stamp)
         elapsed = stamp - known.gate.accepted_at
         smooth = self.smoothing.next(known.smooth, newest, elapsed)
-        return FollowedMap(smooth, body, gate, stamp)
+        recalled = RecalledSkin()
+        if body is not None and observation.robot_mask.any():
+            recalled = recall(body, observation.points_W)
+        return FollowedMap(smooth, body, gate, stamp, recalled)
 
     def _followed(
         self,

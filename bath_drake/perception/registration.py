@@ -61,6 +61,10 @@ class BodyPose:
         p_B = (np.asarray(p_W, dtype=np.float64) - self.p_WB) @ self.R_WB
         return p_B - _bent_by(p_B, self.curvature)
 
+    def bent(self, p_B: FloatArray) -> FloatArray:
+        """Returns points (n, 3) of the unbent body, m, in W; to first order again."""
+        return (p_B + _bent_by(p_B, self.curvature)) @ self.R_WB.T + self.p_WB
+
 
 def _bent_by(p_B: FloatArray, curvature: FloatArray) -> FloatArray:
     """Returns how far (n, 3), m, the curvature moves points, to first order."""

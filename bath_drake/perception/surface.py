@@ -65,6 +65,7 @@ def fit_surface(
     canonical_map: CanonicalMap,
     p_NQ: FloatArray,
     radius: float = 0.03,
+    recalled_W: FloatArray | None = None,
 ) -> SurfacePatch:
     """Fits the skin where the line through a canonical point meets it.
 
@@ -74,6 +75,8 @@ def fit_surface(
         p_NQ: (2,) the canonical point; the line is along the plane's normal.
         radius: Points within this distance of the line are fitted; up to
             `MAX_RADIUS` if those are too few or lie on one side.
+        recalled_W: (m, 3) points of skin that the robot hides, metres, as known from
+            before: without them a hole is bridged from its rim.
 
     Returns:
         The patch; `valid` is False if even the widest neighbourhood is too thin, or
@@ -90,6 +93,8 @@ def fit_surface(
     p_WQ = canonical_map.world_from_canonical(p_NQ)
     R_WP = np.ascontiguousarray(canonical_map.R_WP)
     points_W = np.ascontiguousarray(points_W, dtype=np.float64)
+    if recalled_W is not None and len(recalled_W) > 0:
+        points_W = np.concatenate([points_W, recalled_W])
     for factor in WIDENING:
         radius_now = min(factor * radius, MAX_RADIUS)
         fit = fit_around(gather(points_W, R_WP, p_WQ, radius_now), radius_now)

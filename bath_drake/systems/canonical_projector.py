@@ -19,6 +19,7 @@ from bath_drake.perception.map_follower import (
     MapFollower,
     tracked_follower,
 )
+from bath_drake.perception.recalled_skin import RecalledSkin
 from bath_drake.systems._ports import eval_value, set_vector
 
 # After the segmenter's frame, so that it is this very frame that is looked at:
@@ -43,12 +44,13 @@ class CanonicalProjector(LeafSystem):
         - canonical_map
         - map_status
         - rejected_frames
+        - recalled_skin
 
     The state is what a `MapFollower` knows. While the body is lost the map stays as it
     is. Before the first frame that shows it, it is `unknown_map`, which says nothing:
     whoever moves the robot holds it then. A frame whose map jumps further than a body
     can is not believed: `map_status` is 0 until one is again, and 1 otherwise;
-    `rejected_frames` counts them.
+    `rejected_frames` counts them. `recalled_skin` is what the robot hides of the skin.
     """
 
     def __init__(self, *, period: float, follower: MapFollower | None = None) -> None:
@@ -75,6 +77,9 @@ class CanonicalProjector(LeafSystem):
         )
         self.DeclareVectorOutputPort("map_status", 1, self._calc_status, known)
         self.DeclareVectorOutputPort("rejected_frames", 1, self._calc_count, known)
+        self.DeclareAbstractOutputPort(
+            "recalled_skin", lambda: Value(RecalledSkin()), self._calc_recalled, known
+        )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, FRAME_DELAY_S, self._look)
 
     def _look(self, context: Context, state: State) -> EventStatus:
@@ -96,6 +101,9 @@ class CanonicalProjector(LeafSystem):
 
     def _calc_count(self, context: Context, output: BasicVector) -> None:
         set_vector(output, [float(self._remembered(context).gate.rejected)])
+
+    def _calc_recalled(self, context: Any, output: Any) -> None:
+        output.set_value(self._remembered(context).recalled)
 
     def _remembered(self, context: Context) -> FollowedMap:
         held: Any = context.get_abstract_state(int(self._known))

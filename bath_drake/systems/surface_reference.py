@@ -14,6 +14,7 @@ from pydrake.systems.framework import (
 
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.recalled_skin import RecalledSkin
 from bath_drake.perception.surface import (
     MAX_RADIUS,
     SurfacePatch,
@@ -50,6 +51,7 @@ class SurfaceReference(LeafSystem):
         - body_observation
         - standoff
         - surface_velocity (optional)
+        - recalled_skin (optional)
         output_ports:
         - surface_patch
         - desired_nozzle_pose
@@ -59,7 +61,8 @@ class SurfaceReference(LeafSystem):
     where the skin was seen well enough and 0 where not; then the pose is one over
     the back's plane and must not be followed. With `surface_velocity`, rad/s and m/s
     in W, patch and pose are where the skin has gone to since the frame was taken, for
-    up to `HORIZON_S`; without, where it was seen. Stateless.
+    up to `HORIZON_S`; without, where it was seen. With `recalled_skin` it is found
+    where the robot hides it, too. Stateless.
     """
 
     def __init__(self, *, radius: float = 0.03, roll: float = 0.0) -> None:
@@ -86,7 +89,11 @@ class SurfaceReference(LeafSystem):
         )
         self._standoff = self.DeclareVectorInputPort("standoff", 1)
         self._velocity = self.DeclareVectorInputPort("surface_velocity", 6)
+        self._recalled = self.DeclareAbstractInputPort(
+            "recalled_skin", Value(RecalledSkin())
+        )
         sources = {
+            self._recalled.ticket(),
             self._p_NQ.ticket(),
             self._map.ticket(),
             self._observation.ticket(),
@@ -111,11 +118,15 @@ class SurfaceReference(LeafSystem):
 
     def _calc_fit(self, context: Any, output: Any) -> None:
         observation = eval_value(self._observation, context, BodyObservation)
+        recalled = RecalledSkin()
+        if self._recalled.HasValue(context):
+            recalled = eval_value(self._recalled, context, RecalledSkin)
         patch = fit_surface(
             observation.points_W,
             eval_value(self._map, context, CanonicalMap),
             eval_vector(self._p_NQ, context),
             self._radius,
+            recalled.points_W,
         )
         output.set_value(patch)
 

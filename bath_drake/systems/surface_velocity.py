@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.recalled_skin import RecalledSkin
 from bath_drake.perception.surface import MAX_RADIUS, fit_surface
 from bath_drake.perception.surface_velocity import VelocityFilter
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector
@@ -28,12 +29,13 @@ class SurfaceVelocity(LeafSystem):
         - canonical_reference
         - canonical_map
         - body_observation
+        - recalled_skin (optional)
         output_ports:
         - surface_velocity
 
     `surface_velocity` (6) is that of `bath_drake.perception.surface_velocity`: rad/s,
     then m/s, in W; zero until two frames have shown the body. The state is the last
-    frame's observation and map, and the velocity.
+    frame's observation, map and recalled skin, and the velocity.
     """
 
     def __init__(
@@ -66,8 +68,12 @@ class SurfaceVelocity(LeafSystem):
         self._observation = self.DeclareAbstractInputPort(
             "body_observation", Value(BodyObservation())
         )
+        self._recalled = self.DeclareAbstractInputPort(
+            "recalled_skin", Value(RecalledSkin())
+        )
         self._last = self.DeclareAbstractState(Value(BodyObservation()))
         self._last_map = self.DeclareAbstractState(Value(unknown_map()))
+        self._last_recalled = self.DeclareAbstractState(Value(RecalledSkin()))
         self._velocity = self.DeclareDiscreteState(drake_vector(np.zeros(6)))
         self.DeclareStateOutputPort("surface_velocity", self._velocity)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
@@ -81,19 +87,32 @@ class SurfaceVelocity(LeafSystem):
         last: BodyObservation = held.get_value()
         if not now.stamp > last.stamp:
             return EventStatus.DidNothing()
+        recalled = RecalledSkin()
+        if self._recalled.HasValue(context):
+            recalled = eval_value(self._recalled, context, RecalledSkin)
         velocity = np.zeros(6)
         if np.isfinite(last.stamp):
             held_map: Any = context.get_abstract_state(int(self._last_map))
+            hidden: Any = context.get_abstract_state(int(self._last_recalled))
             p_NQ = eval_vector(self._p_NQ, context)
             # The reference moves on: both frames are fitted where it is now.
             velocity = self._filter.next(
                 np.array(context.get_discrete_state(int(self._velocity)).value()),
-                fit_surface(last.points_W, held_map.get_value(), p_NQ, self._radius),
-                fit_surface(now.points_W, now_map, p_NQ, self._radius),
+                fit_surface(
+                    last.points_W,
+                    held_map.get_value(),
+                    p_NQ,
+                    self._radius,
+                    hidden.get_value().points_W,
+                ),
+                fit_surface(
+                    now.points_W, now_map, p_NQ, self._radius, recalled.points_W
+                ),
                 now.stamp - last.stamp,
             )
         state.get_mutable_abstract_state(int(self._last)).set_value(now)
         state.get_mutable_abstract_state(int(self._last_map)).set_value(now_map)
+        state.get_mutable_abstract_state(int(self._last_recalled)).set_value(recalled)
         state.get_mutable_discrete_state().set_value(
             int(self._velocity), drake_vector(velocity)
         )
