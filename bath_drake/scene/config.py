@@ -15,6 +15,7 @@ from bath_drake.perception.depth_sensor import CAMERA_MODELS
 from bath_drake.perception.faults import FaultsConfig, check_faults
 
 CAMERA_NOISES = ("none", *CAMERA_MODELS)
+BACKGROUNDS = ("plain", "tan_wall", "dark_wall", "clutter", "second_person")
 
 
 @dataclass(kw_only=True)
@@ -125,6 +126,7 @@ class SceneConfig:
         default_factory=lambda: [0.75, 0.0, 0.0]
     )  # m, W, origin of M
     person_yaw: float = float(np.pi / 2)  # rad; the back then faces -x of W
+    background: str = "plain"  # or tan_wall, dark_wall, clutter, second_person
     time_step: float = 0.002  # s, of the plant
     motion: MotionConfig = field(default_factory=MotionConfig)
     arm: ArmConfig = field(default_factory=ArmConfig)
@@ -137,6 +139,7 @@ class SceneConfig:
 def check_scene(config: SceneConfig) -> None:
     """Raises ValueError naming the field that makes no scene."""
     camera, arm = config.camera, config.arm
+    _check_name("background", config.background, BACKGROUNDS)
     vectors = {
         "person_position": (config.person_position, 3),
         "camera.eye": (camera.eye, 3),

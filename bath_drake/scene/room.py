@@ -1,5 +1,7 @@
 """The shower room and its furniture: shapes to look at, nothing to collide with."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
@@ -32,17 +34,32 @@ _HEIGHT = 2.4
 _THICKNESS = 0.05
 _TILE, _GROUT = 0.3, 0.008
 
-_WALL = Rgba(0.93, 0.97, 0.98)
-_SIDE_WALL = Rgba(0.88, 0.95, 0.97)
-_FLOOR = Rgba(0.66, 0.75, 0.80)
-_LINES = Rgba(0.70, 0.80, 0.84)
-_FLOOR_LINES = Rgba(0.48, 0.57, 0.62)
 _STOOL = Rgba(0.93, 0.95, 0.96)
 _STEEL = Rgba(0.55, 0.58, 0.62)
 _DARK = Rgba(0.22, 0.24, 0.28)
 
 _STOOL_RADIUS, _STOOL_SEAT = 0.17, 0.035
 _PEDESTAL_SIDE = 0.24
+
+
+@dataclass(frozen=True)
+class RoomColours:
+    """Of tiles and grout."""
+
+    wall: Rgba
+    side_wall: Rgba
+    floor: Rgba
+    lines: Rgba
+    floor_lines: Rgba
+
+
+PLAIN = RoomColours(
+    wall=Rgba(0.93, 0.97, 0.98),
+    side_wall=Rgba(0.88, 0.95, 0.97),
+    floor=Rgba(0.66, 0.75, 0.80),
+    lines=Rgba(0.70, 0.80, 0.84),
+    floor_lines=Rgba(0.48, 0.57, 0.62),
+)
 
 
 def obj_mesh(
@@ -87,7 +104,9 @@ def coloured(
     return instance
 
 
-def add_room(scene_graph: SceneGraph, source: SourceId) -> None:
+def add_room(
+    scene_graph: SceneGraph, source: SourceId, colours: RoomColours = PLAIN
+) -> None:
     """Adds floor, front wall and side wall with their tiles."""
     length, width = _FRONT_X - _BACK_X, _LEFT_Y - _RIGHT_Y
     middle_x, middle_y = (_FRONT_X + _BACK_X) / 2.0, (_LEFT_Y + _RIGHT_Y) / 2.0
@@ -97,9 +116,9 @@ def add_room(scene_graph: SceneGraph, source: SourceId) -> None:
     front = at([_FRONT_X, middle_y, _HEIGHT / 2.0], turn.MakeYRotation(-np.pi / 2))
     side = at([middle_x, _LEFT_Y, _HEIGHT / 2.0], turn.MakeXRotation(np.pi / 2))
     planes = (
-        ("floor", floor, length, width, _FLOOR, _FLOOR_LINES),
-        ("front_wall", front, _HEIGHT, width, _WALL, _LINES),
-        ("side_wall", side, length, _HEIGHT, _SIDE_WALL, _LINES),
+        ("floor", floor, length, width, colours.floor, colours.floor_lines),
+        ("front_wall", front, _HEIGHT, width, colours.wall, colours.lines),
+        ("side_wall", side, length, _HEIGHT, colours.side_wall, colours.lines),
     )
     for name, X_WF, along, across, colour, lines in planes:
         slab = X_WF @ at([0.0, 0.0, -_THICKNESS / 2.0])
@@ -142,20 +161,31 @@ def _grout(along: float, across: float) -> tuple[FloatArray, FloatArray, IntArra
     return np.array(vertices), normals, triangles
 
 
-def add_stool(scene_graph: SceneGraph, source: SourceId, seat_W: FloatArray) -> None:
+def add_stool(
+    scene_graph: SceneGraph,
+    source: SourceId,
+    seat_W: FloatArray,
+    *,
+    name: str = "stool",
+) -> None:
     """Adds a round stool whose seat's top touches the point `seat_W` (3,), m."""
     x, y, top = (float(value) for value in seat_W)
     seat = Cylinder(_STOOL_RADIUS, _STOOL_SEAT)
     leg_length = top - _STOOL_SEAT
     parts = [
-        ("stool_seat", seat, [x, y, top - _STOOL_SEAT / 2.0], _STOOL),
-        ("stool_column", Cylinder(0.03, leg_length), [x, y, leg_length / 2.0], _STEEL),
-        ("stool_foot", Cylinder(0.16, 0.02), [x, y, 0.01], _STEEL),
+        (f"{name}_seat", seat, [x, y, top - _STOOL_SEAT / 2.0], _STOOL),
+        (
+            f"{name}_column",
+            Cylinder(0.03, leg_length),
+            [x, y, leg_length / 2.0],
+            _STEEL,
+        ),
+        (f"{name}_foot", Cylinder(0.16, 0.02), [x, y, 0.01], _STEEL),
     ]
-    for name, shape, position, colour in parts:
+    for part, shape, position, colour in parts:
         scene_graph.RegisterAnchoredGeometry(
             source,
-            coloured(shape, at(position), name, colour, STOOL_LABEL),
+            coloured(shape, at(position), part, colour, STOOL_LABEL),
         )
 
 

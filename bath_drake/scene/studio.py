@@ -33,6 +33,7 @@ from bath_drake.patient.motion import person_pose
 from bath_drake.patient.people import PARTS, Person
 from bath_drake.patient.skin_parts import SkinPart, skin_parts
 from bath_drake.patient.wound import WoundPatch, wound_patch
+from bath_drake.scene.backgrounds import add_background, room_colours
 from bath_drake.scene.bending_person import add_bending_parts
 from bath_drake.scene.config import CameraConfig, SceneConfig
 from bath_drake.scene.room import (
@@ -106,7 +107,8 @@ def add_studio(
     """
     scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
     room = scene_graph.RegisterSource("room")
-    add_room(scene_graph, room)
+    add_room(scene_graph, room, room_colours(config.background))
+    add_background(scene_graph, room, config)
     X_WM = true_person_pose(config, person, 0.0)
     add_stool(scene_graph, room, X_WM.multiply(person.seat))
     add_camera_stand(scene_graph, room, config.camera)

@@ -1,17 +1,35 @@
 """`bath-drake bench perception`: every part, one after the other."""
 
-from bath_drake.benchmarks.figures import Progress, Report
-from bath_drake.benchmarks.perception import areas, back, sensor
+from collections.abc import Sequence
 
-# Of the time of all, what sensors and restricted areas take.
-_SENSORS, _AREAS = 0.1, 0.2
+from bath_drake.benchmarks.figures import Figure, Progress, Report, Row
+from bath_drake.benchmarks.perception import areas, back, backgrounds, sensor
+
+# The parts, and which share of the time each takes.
+_PARTS = (
+    (sensor.run, 0.1),
+    (back.run, 0.6),
+    (backgrounds.run, 0.15),
+    (areas.run, 0.15),
+)
 
 
 def run(progress: Progress) -> Report:
     """Measures all parts; the details are those of the people that were filmed."""
-    sensors = sensor.run(lambda what, share: progress(what, _SENSORS * share))
-    backs = back.run(
-        lambda what, share: progress(what, _SENSORS + (1.0 - _SENSORS - _AREAS) * share)
-    )
-    found = areas.run(lambda what, share: progress(what, 1.0 - _AREAS * (1.0 - share)))
-    return Report([*sensors.figures, *backs.figures, *found], backs.rows)
+    figures: list[Figure] = []
+    rows: Sequence[Row] = ()
+    begun = 0.0
+    for part, takes in _PARTS:
+        report = part(_within(progress, begun, takes))
+        begun += takes
+        if isinstance(report, Report):
+            figures += report.figures
+            # Of the other parts the figures tell all.
+            rows = report.rows if part is back.run else rows
+        else:
+            figures += report
+    return Report(figures, rows)
+
+
+def _within(progress: Progress, begun: float, takes: float) -> Progress:
+    return lambda what, share: progress(what, begun + takes * share)

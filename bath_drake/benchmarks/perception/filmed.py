@@ -119,9 +119,9 @@ class Filmed:
             )
 
 
-def filmed(name: str, motion: MotionConfig) -> Filmed:
+def filmed(name: str, motion: MotionConfig, background: str = "plain") -> Filmed:
     """Returns a shipped person who moves like that, before the default camera."""
-    scene = SceneConfig(person=name, motion=motion)
+    scene = SceneConfig(person=name, motion=motion, background=background)
     person = load_person(name)
     return Filmed(scene, person, bending_skin(person), scene.camera.pinhole())
 
