@@ -103,6 +103,40 @@ def behind_jump(
 
 
 @njit(cache=True)
+def with_rim(
+    points: FloatArray, mask: BoolArray, allowed: BoolArray, limit: float
+) -> BoolArray:
+    """Returns the mask with the pixels beside it on which its surface goes on.
+
+    Args:
+        points: (H, W, 3), metres.
+        mask: (H, W).
+        allowed: (H, W) what may be added.
+        limit: Two neighbours further apart than this do not touch, metres.
+
+    Returns:
+        (H, W) the mask, and each allowed pixel that touches one of it to the right,
+        left, up or down.
+    """
+    rows, columns, _ = points.shape
+    grown = mask.copy()
+    for v in range(rows):
+        for u in range(columns):
+            if mask[v, u] or not allowed[v, u]:
+                continue
+            for k in range(4):
+                y, x = v + (0, 0, 1, -1)[k], u + (1, -1, 0, 0)[k]
+                if not (0 <= y < rows and 0 <= x < columns and mask[y, x]):
+                    continue
+                d2 = 0.0
+                for c in range(3):
+                    d2 += (points[y, x, c] - points[v, u, c]) ** 2
+                if d2 <= limit * limit:
+                    grown[v, u] = True
+    return grown
+
+
+@njit(cache=True)
 def column_steps(points: FloatArray, mask: BoolArray) -> FloatArray:
     """Returns the distances (n,), m, of horizontal neighbours both in the mask."""
     rows, columns, _ = points.shape

@@ -20,6 +20,7 @@ from bath_drake.perception.pixels import (
     facing_along,
     inside_box,
     pixel_normals,
+    with_rim,
 )
 
 UP_W = np.array([0.0, 0.0, 1.0])
@@ -200,7 +201,8 @@ def _segment(
     # Beside the robot a jump is the robot's, not the body's edge.
     jumps = behind_jump(points_W, boxed, config.jump)
     solid = boxed & ~(jumps & ~morphology.dilate(robot_mask, ROBOT_RIM))
-    skin = morphology.opened(solid & skin_mask(colour, config), 1.0)
+    coloured = boxed & skin_mask(colour, config)
+    skin = morphology.opened(solid & coloured, 1.0)
     pitch = pixel_pitch(points_W, skin)
     if not pitch > 0.0:
         return nothing, nothing
@@ -218,7 +220,9 @@ def _segment(
     torso = morphology.stoutest_part(
         skin, config.torso_radius / pitch, config.torso_share
     )
-    visible = _trimmed(points_W, torso & ~robot_mask, robot_mask, config, expected)
+    # A pixel beside a jump is not solid, and the opening costs another one.
+    torso = with_rim(points_W, torso & ~robot_mask, coloured, config.jump)
+    visible = _trimmed(points_W, torso, robot_mask, config, expected)
     if expected is None:
         hidden = _hidden(robot_mask, visible)
     return visible, visible | hidden
