@@ -31,3 +31,7 @@ class RunFolderError(BathDrakeError):
 
 class CheckpointError(BathDrakeError):
     """The checkpoint of a run cannot be used."""
+
+
+class SegmenterError(BathDrakeError):
+    """A segmenter's model cannot be used."""

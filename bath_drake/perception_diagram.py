@@ -1,12 +1,17 @@
 """Wires what is made of a camera's images: the back, its map, restricted areas."""
 
+from pathlib import Path
 from typing import Any
 
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.neural_segmenter import NeuralSegmenter
+from bath_drake.perception.onnx_segmenter import OnnxSegmenter
+from bath_drake.perception.segmenter import ClassicSegmenter, Segmenter
 from bath_drake.perception.self_filter import RobotGeometry
+from bath_drake.resources import models_folder
 from bath_drake.scenario import Scenario, map_follower, segmentation
 from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
@@ -45,6 +50,7 @@ def add_perception(
                 robot=robot,
                 config=segmentation(scenario),
                 period=period,
+                segmenter=make_segmenter(scenario),
             ),
             "canonical_projector": CanonicalProjector(
                 period=period, follower=map_follower(scenario)
@@ -63,6 +69,25 @@ def add_perception(
     )
     connect(builder, projector, "canonical_map", [detector])
     return systems
+
+
+def make_segmenter(scenario: Scenario) -> Segmenter:
+    """Returns what tells skin from the rest in a scenario.
+
+    Raises:
+        SegmenterError: If its network cannot be used.
+    """
+    perception, config = scenario.perception, segmentation(scenario)
+    if perception.segmenter == "classic":
+        return ClassicSegmenter(config)
+    if perception.segmenter.endswith(".onnx"):
+        path = Path(perception.segmenter)
+        return OnnxSegmenter(path, config, mask=perception.onnx_mask)
+    return NeuralSegmenter(
+        models_folder() / "segmenters" / "selfie_segmentation.tflite",
+        config,
+        with_colour=perception.segmenter == "neural",
+    )
 
 
 def export_perception(builder: DiagramBuilder, systems: dict[str, Any]) -> None:

@@ -10,6 +10,7 @@ from bath_drake.control.approach import ApproachLimits
 from bath_drake.errors import ScenarioError
 from bath_drake.perception.given_areas import check_polygon
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, MapFollower
+from bath_drake.perception.onnx_segmenter import MASKS
 from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.resources import diagrams_folder, models_folder
 from bath_drake.safety.hold import MAX_FRAME_AGE
@@ -28,6 +29,10 @@ class PerceptionConfig:
     # m, W: where a person's back may be; the Cartesian filter.
     workspace_low: list[float] = field(default_factory=lambda: [0.4, -0.6, 0.4])
     workspace_high: list[float] = field(default_factory=lambda: [1.2, 0.6, 1.6])
+    # What tells skin from the rest: classic (colour), neural (colour, on a person),
+    # neural_any_light (on a person), or the path of an .onnx file.
+    segmenter: str = "classic"
+    onnx_mask: str = "skin"  # what such a file's mask is of: skin, or a whole person
     # tracked: carried along with the skin; affine: the box around each frame's mask.
     canonical_map: str = "tracked"
     patch_radius: float = 0.03  # m, of the quadric fit
@@ -82,6 +87,8 @@ class Scenario:
     limits: Limits = field(default_factory=Limits)
 
 
+SEGMENTERS = ("classic", "neural", "neural_any_light")
+
 # Careful bounds near people: nobody asks for more by mistake.
 _RANGES: dict[str, dict[str, tuple[float, float]]] = {
     "perception": {
@@ -125,6 +132,7 @@ def check_scenario(scenario: Scenario) -> None:
         )
     approach_limits(scenario)
     map_follower(scenario)
+    _check_segmenter(scenario)
     for k, corners in enumerate(scenario.perception.restricted_areas):
         try:
             check_polygon(corners)
@@ -161,6 +169,21 @@ def segmentation(scenario: Scenario) -> SegmentationConfig:
         box_low_W=np.array(scenario.perception.workspace_low),
         box_high_W=np.array(scenario.perception.workspace_high),
     )
+
+
+def _check_segmenter(scenario: Scenario) -> None:
+    perception = scenario.perception
+    known = perception.segmenter in SEGMENTERS
+    if not (known or perception.segmenter.endswith(".onnx")):
+        raise ValueError(
+            f"perception.segmenter: found {perception.segmenter[:60]!r}, "
+            f"allowed {', '.join(SEGMENTERS)}, or a file that ends in .onnx"
+        )
+    if perception.onnx_mask not in MASKS:
+        raise ValueError(
+            f"perception.onnx_mask: found {perception.onnx_mask[:60]!r}, "
+            f"allowed {', '.join(MASKS)}"
+        )
 
 
 def map_follower(scenario: Scenario) -> MapFollower:

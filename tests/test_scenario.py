@@ -71,6 +71,11 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
             "perception: {canonical_map: round}\n",
             "perception.canonical_map: found 'round', allowed tracked, affine",
         ),
+        (
+            "perception: {segmenter: magic}\n",
+            "perception.segmenter: found 'magic', allowed classic, neural",
+        ),
+        ("perception: {onnx_mask: hair}\n", "perception.onnx_mask: found 'hair'"),
         ("duration: 1e9\n", "duration: found 1000000000.0, allowed"),
         ("random_seed: -1\n", "random_seed: found -1"),
         ("random_seed: 1.5\n", "random_seed: found 1.5"),

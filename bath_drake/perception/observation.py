@@ -23,6 +23,7 @@ from bath_drake.perception.segmentation import (
     SegmentationConfig,
     segment_back,
 )
+from bath_drake.perception.segmenter import ClassicSegmenter, Picture, Segmenter
 
 # A back is seen whole if the robot keeps this many pixels away from it.
 TOUCH = 3.0
@@ -39,6 +40,7 @@ def observe_body(
     config: SegmentationConfig,
     stamp: float,
     previous: BodyObservation | None = None,
+    segmenter: Segmenter | None = None,
 ) -> BodyObservation:
     """Finds the back in one frame.
 
@@ -54,6 +56,7 @@ def observe_body(
         previous: The observation before this one: it hands down the largest area
             and the whole back seen so far, and its completed points where this
             frame shows no back.
+        segmenter: What tells skin from the rest; None for its colour.
 
     Returns:
         The observation. A frame without a back is no error: `found` is False.
@@ -73,7 +76,9 @@ def observe_body(
     depth = np.asarray(depth, dtype=np.float64)
     image_W = points_in_world(depth, camera.rays, R_WC, p_WC)
     template_W, indices, expected = _expect(previous, view)
-    visible, completed = segment_back(colour, image_W, robot_mask, config, expected)
+    segmenter = ClassicSegmenter(config) if segmenter is None else segmenter
+    skin = segmenter.segment(Picture(colour, depth, camera, image_W))
+    visible, completed = segment_back(skin, image_W, robot_mask, config, expected)
     areas = pixel_areas(image_W, depth, visible, p_WC, view.focal2)
     seen = np.flatnonzero(visible)
     points_W = image_W.reshape(-1, 3)[seen]

@@ -140,16 +140,16 @@ def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:
 
 
 def segment_back(
-    colour: ByteArray,
+    skin: BoolArray,
     points_W: FloatArray,
     robot_mask: BoolArray,
     config: SegmentationConfig,
     expected: Expectation | None = None,
 ) -> tuple[BoolArray, BoolArray]:
-    """Finds the back: workspace box, skin colour, largest component, torso.
+    """Finds the back: workspace box, skin, largest component, torso.
 
     Args:
-        colour: (H, W, 3 or 4), RGB.
+        skin: (H, W) pixels that may show skin, as of a `Segmenter`.
         points_W: (H, W, 3), metres; NaN where nothing was measured.
         robot_mask: (H, W) pixels that may show the robot.
         config: What to take for a back.
@@ -167,7 +167,7 @@ def segment_back(
     window = _window(boxed)
     if window is not None:
         visible[window], completed[window] = _segment(
-            np.ascontiguousarray(colour[window]),
+            np.ascontiguousarray(skin[window]),
             np.ascontiguousarray(points_W[window]),
             np.ascontiguousarray(boxed[window]),
             np.ascontiguousarray(robot_mask[window]),
@@ -189,7 +189,7 @@ def _window(mask: BoolArray, margin: int = 2) -> tuple[slice, slice] | None:
 
 
 def _segment(
-    colour: ByteArray,
+    coloured: BoolArray,
     points_W: FloatArray,
     boxed: BoolArray,
     robot_mask: BoolArray,
@@ -201,7 +201,7 @@ def _segment(
     # Beside the robot a jump is the robot's, not the body's edge.
     jumps = behind_jump(points_W, boxed, config.jump)
     solid = boxed & ~(jumps & ~morphology.dilate(robot_mask, ROBOT_RIM))
-    coloured = boxed & skin_mask(colour, config)
+    coloured = boxed & coloured
     skin = morphology.opened(solid & coloured, 1.0)
     pitch = pixel_pitch(points_W, skin)
     if not pitch > 0.0:

@@ -14,6 +14,7 @@ from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.observation import observe_body
 from bath_drake.perception.segmentation import SegmentationConfig
+from bath_drake.perception.segmenter import Segmenter
 from bath_drake.perception.self_filter import RobotGeometry, robot_silhouette
 from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector
 
@@ -50,6 +51,7 @@ class BodySegmenter(LeafSystem):
         config: SegmentationConfig,
         period: float,
         dilation_px: int = 2,
+        segmenter: Segmenter | None = None,
     ) -> None:
         """Declares ports and state; raises ValueError unless period > 0.
 
@@ -60,6 +62,7 @@ class BodySegmenter(LeafSystem):
             config: What to take for a back.
             period: Between looks, s.
             dilation_px: The robot's silhouette is grown by this many pixels.
+            segmenter: What tells skin from the rest; None for its colour.
         """
         super().__init__()
         if not (np.isfinite(period) and period > 0.0):
@@ -72,6 +75,7 @@ class BodySegmenter(LeafSystem):
         self._robot = robot
         self._config = config
         self._dilation_px = dilation_px
+        self._segmenter = segmenter
         size = camera.width, camera.height
         self._colour = self.DeclareAbstractInputPort(
             "colour_image", Value(ImageRgba8U(*size))
@@ -118,6 +122,7 @@ class BodySegmenter(LeafSystem):
             config=self._config,
             stamp=stamp,
             previous=last.get_value(),
+            segmenter=self._segmenter,
         )
         state.get_mutable_abstract_state(int(self._observation)).set_value(observation)
         return EventStatus.Succeeded()

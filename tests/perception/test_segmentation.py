@@ -21,9 +21,8 @@ def _points(frame):
 
 
 def _segment(frame, expected=None):
-    return segment_back(
-        frame.colour, _points(frame), frame.robot_mask, frame.config, expected
-    )
+    skin = skin_mask(frame.colour, frame.config)
+    return segment_back(skin, _points(frame), frame.robot_mask, frame.config, expected)
 
 
 def _overlap(a, b):

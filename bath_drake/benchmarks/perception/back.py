@@ -26,6 +26,7 @@ from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, FollowedMap, frame_map
 from bath_drake.perception.pixels import points_in_world
 from bath_drake.perception.segmentation import segment_back
+from bath_drake.perception.segmenter import ClassicSegmenter, Picture
 from bath_drake.perception.surface import fit_path
 from bath_drake.scenario import Scenario, segmentation
 
@@ -144,7 +145,8 @@ def _segment_seconds(film: Filmed, frame: Frame) -> float:
     points_W = points_in_world(depth, film.camera.rays, R_WC, np.array(camera.eye))
     nobody, config = np.zeros(depth.shape, dtype=bool), segmentation(Scenario())
     begin = time.perf_counter()
-    segment_back(frame.colour, points_W, nobody, config)
+    picture = Picture(frame.colour, depth, film.camera, points_W)
+    segment_back(ClassicSegmenter(config).segment(picture), points_W, nobody, config)
     return time.perf_counter() - begin
 
 

@@ -21,6 +21,7 @@ from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.depth_noise import noisy_depth
 from bath_drake.perception.observation import observe_body
+from bath_drake.perception.segmenter import Segmenter
 from bath_drake.scenario import Scenario, segmentation
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import (
@@ -127,7 +128,10 @@ def filmed(name: str, motion: MotionConfig, background: str = "plain") -> Filmed
 
 
 def observed(
-    film: Filmed, frame: Frame, previous: BodyObservation | None
+    film: Filmed,
+    frame: Frame,
+    previous: BodyObservation | None,
+    segmenter: Segmenter | None = None,
 ) -> BodyObservation:
     """Returns what perception makes of a frame, there being no robot."""
     return observe_body(
@@ -140,4 +144,5 @@ def observed(
         config=segmentation(Scenario()),
         stamp=frame.t,
         previous=previous,
+        segmenter=segmenter,
     )

@@ -65,7 +65,8 @@ class View:
         depth = np.where(inside, depth, 0.0)
         points_W = points_in_world(depth, self.camera.rays, self._R_WC, np.zeros(3))
         nobody = np.zeros(depth.shape, dtype=np.bool_)
-        visible, _ = segment_back(colour, points_W, nobody, self.config)
+        skin = skin_mask(colour, self.config)
+        visible, _ = segment_back(skin, points_W, nobody, self.config)
         return visible
 
     def areas(self, depth: FloatArray, back: BoolArray) -> FloatArray:
