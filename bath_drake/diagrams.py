@@ -109,7 +109,9 @@ def build_reproduction(
     scene, camera = _add_studio(builder, scenario)
     perception = _add_perception(builder, scenario, scene, camera)
     control = add_control(builder, scenario, skill)
-    _close_loop(builder, scene, perception, control)
+    _close_loop(
+        builder, scene, perception, control, body_rim=scenario.perception.body_rim
+    )
     _add_logs(builder, scene, {**perception, **control})
     if write_frame is not None:
         add_frame_recorder(
@@ -204,6 +206,8 @@ def _close_loop(
     scene: Scene,
     perception: dict[str, Any],
     control: dict[str, Any],
+    *,
+    body_rim: bool,
 ) -> None:
     """Perception into control, control into the arm, the arm into control."""
     surface = control["surface_reference"]
@@ -241,6 +245,13 @@ def _close_loop(
         "recalled_skin",
         [surface, control["surface_velocity"]],
     )
+    if body_rim:
+        connect(
+            builder,
+            perception["canonical_projector"],
+            "body_rim",
+            [control["world_reconciler"]],
+        )
     connect(
         builder,
         perception["restricted_area_detector"],

@@ -35,6 +35,7 @@ class PerceptionConfig:
     onnx_mask: str = "skin"  # what such a file's mask is of: skin, or a whole person
     # tracked: carried along with the skin; affine: the box around each frame's mask.
     canonical_map: str = "tracked"
+    body_rim: bool = True  # whether the seen back's rim bounds the field
     patch_radius: float = 0.03  # m, of the quadric fit
     # m, added around a restricted area: the jet's radius and the loop's error.
     area_margin: float = 0.02

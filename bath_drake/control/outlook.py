@@ -11,7 +11,7 @@ from bath_drake.control.areas import contain, inflated
 from bath_drake.control.staging import entry_point
 from bath_drake.control.world import World, join_areas
 from bath_drake.field.navigation import NavigationField
-from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.notation import FloatArray
 
 
@@ -22,10 +22,12 @@ class Outlook:
     Attributes:
         areas: Restricted areas in N, with some slack.
         worlds: Of the field that was followed when they were made, and of the next.
+        rim: Of the body, in N, that they were asked to be within; None if none was.
     """
 
     areas: ObstacleSet
     worlds: tuple[World, ...] = ()
+    rim: Workspace | None = None
 
     def world_of(self, field: NavigationField) -> World | None:
         """The world that was made for a learned field, if there is one."""
@@ -39,6 +41,7 @@ def look_ahead(
     point: FloatArray,
     *,
     slack: float,
+    rim: Workspace | None = None,
 ) -> Outlook:
     """Makes the world that is needed most, one at most: a frame has little time.
 
@@ -49,18 +52,22 @@ def look_ahead(
         chain: The field that is followed and those to come.
         point: (2,) where the motion is, in N.
         slack: Added to the areas' semi-axes when they come into force.
+        rim: Of the body, in N; None where it is not known.
 
     Returns:
         The outlook itself where nothing was to be made.
     """
     if outlook is None or not contain(outlook.areas, areas):
-        outlook = Outlook(inflated(areas, slack))
+        outlook = Outlook(inflated(areas, slack), rim=rim)
+    elif outlook.rim != rim:
+        outlook = Outlook(outlook.areas, rim=rim)
     now = outlook.world_of(chain.fields[0])
     if now is None:
-        world = join_areas(chain.fields[0], outlook.areas, point)
+        world = join_areas(chain.fields[0], outlook.areas, point, rim)
         return replace(outlook, worlds=(world,))
     if len(chain) == 1 or outlook.world_of(chain.fields[1]) is not None:
         return outlook
     driven = Chain((now.field, chain.fields[1]), chain.gates[:1])
-    world = join_areas(chain.fields[1], outlook.areas, entry_point(point, driven))
+    entry = entry_point(point, driven)
+    world = join_areas(chain.fields[1], outlook.areas, entry, rim)
     return replace(outlook, worlds=(now, world))

@@ -7,7 +7,7 @@ learned one aside is taken (paper, Sec. IV: sensed obstacles join the field).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,13 +16,15 @@ from bath_drake.certificate.result import Certificate
 from bath_drake.control.areas import make_room
 from bath_drake.control.certified_world import RUN_TIME_BUDGET
 from bath_drake.field.navigation import NavigationField
-from bath_drake.field.obstacles import ObstacleSet, beta
+from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.notation import FloatArray
 
 # Once the learned path is on average this near to the motion, in N, none is sought.
 NEAR_ENOUGH = 0.05
 # The smaller an area's exponent, the nearer to it the flow first feels it.
+# The least beta_0 of a start or goal that is well within a rim.
+WELL_WITHIN = 0.1
 _EXPONENTS = (1.0, 0.3)
 _KAPPA_FACTORS = (1.0, 2.0, 4.0)
 
@@ -34,7 +36,8 @@ class World:
     Attributes:
         learned: The field that was asked for.
         start: (2,) in N, from where on the motion was to be sound.
-        virtual: The learned field with its obstacles as they could be kept.
+        virtual: The learned field with its obstacles as they could be kept, within the
+            body's rim if that could be had.
         sensed: The restricted areas, with the exponents they were given.
         certificate: What was proved of the field of both.
         changed: What was done to the virtual obstacles, in words.
@@ -53,19 +56,36 @@ class World:
         return self.virtual.with_obstacles(self.sensed)
 
 
-def join_areas(field: NavigationField, areas: ObstacleSet, start: FloatArray) -> World:
-    """Finds a sound world of a learned field and restricted areas.
+def join_areas(
+    field: NavigationField,
+    areas: ObstacleSet,
+    start: FloatArray,
+    rim: Workspace | None = None,
+) -> World:
+    """Finds a sound world of a learned field and restricted areas, within the body.
 
     Args:
         field: The learned field.
         areas: Restricted areas in N, never made smaller.
         start: (2,) where the motion is now, in N.
+        rim: Of the body, in N, that is to take the place of the learned rim. Only where
+            start or goal is not well within it, or no such world is found to be sound,
+            the learned rim stays.
 
     Returns:
         A world whose motion from `start` arrives and which is proved: all of its free
         space if one such is found, else what `start` can reach (its sublevel set). If
         there is none, the plain union with the certificate that says why not.
     """
+    if rim is not None and min(rim.beta(np.stack([start, field.goal]))) > WELL_WITHIN:
+        on_body = NavigationField(rim, field.goal, field.kappa, field.obstacles)
+        within = _joined(on_body, areas, start)
+        if within.certificate.passed:
+            return replace(within, learned=field)
+    return _joined(field, areas, start)
+
+
+def _joined(field: NavigationField, areas: ObstacleSet, start: FloatArray) -> World:
     if not len(areas):
         alone = certify_from(field, start, budget=RUN_TIME_BUDGET)
         return World(field, start, field, areas, alone, "nothing")

@@ -4,7 +4,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from bath_drake.field.obstacles import Workspace
 from bath_drake.perception.body_observation import BodyObservation
+from bath_drake.perception.body_rim import body_rim
 from bath_drake.perception.canonical import (
     MIN_POINTS,
     CanonicalMap,
@@ -28,6 +30,7 @@ class FollowedMap:
         stamp: Of the last frame that was judged, s: each is judged once.
         recalled: What the robot hides of the skin in the last frame that was believed;
             none where only the mask is looked at.
+        rim: Of the back, in N, as it was when first seen: it is the body's own.
     """
 
     smooth: SmoothMap | None = None
@@ -35,6 +38,7 @@ class FollowedMap:
     gate: GateState = field(default_factory=GateState)
     stamp: float = -math.inf
     recalled: RecalledSkin = field(default_factory=RecalledSkin)
+    rim: Workspace | None = None
 
     def __deepcopy__(self, memo: object) -> "FollowedMap":
         """Returns itself, for it never changes: a copy has some 300 kilobytes."""
@@ -81,13 +85,15 @@ class MapFollower:
         if verdict is Verdict.RELOCKED or known.smooth is None:
             if self.tracker is not None:
                 body = self.tracker.start(seen, observation.points_W, stamp)
-            return FollowedMap(self.smoothing.start(seen), body, gate, stamp)
+            rim = body_rim(seen.canonical_from_world(observation.completed_points_W))
+            smooth = self.smoothing.start(seen)
+            return FollowedMap(smooth, body, gate, stamp, rim=rim)
         elapsed = stamp - known.gate.accepted_at
         smooth = self.smoothing.next(known.smooth, newest, elapsed)
         recalled = RecalledSkin()
         if body is not None and observation.robot_mask.any():
             recalled = recall(body, observation.points_W)
-        return FollowedMap(smooth, body, gate, stamp, recalled)
+        return FollowedMap(smooth, body, gate, stamp, recalled, known.rim)
 
     def _followed(
         self,

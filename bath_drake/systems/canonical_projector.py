@@ -45,12 +45,14 @@ class CanonicalProjector(LeafSystem):
         - map_status
         - rejected_frames
         - recalled_skin
+        - body_rim
 
     The state is what a `MapFollower` knows. While the body is lost the map stays as it
     is. Before the first frame that shows it, it is `unknown_map`, which says nothing:
     whoever moves the robot holds it then. A frame whose map jumps further than a body
     can is not believed: `map_status` is 0 until one is again, and 1 otherwise;
-    `rejected_frames` counts them. `recalled_skin` is what the robot hides of the skin.
+    `rejected_frames` counts them. `recalled_skin` is what the robot hides of the skin,
+    `body_rim` the back's rim in N (a Workspace), or None where none is known.
     """
 
     def __init__(self, *, period: float, follower: MapFollower | None = None) -> None:
@@ -80,6 +82,9 @@ class CanonicalProjector(LeafSystem):
         self.DeclareAbstractOutputPort(
             "recalled_skin", lambda: Value(RecalledSkin()), self._calc_recalled, known
         )
+        self.DeclareAbstractOutputPort(
+            "body_rim", lambda: Value[object](None), self._calc_rim, known
+        )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, FRAME_DELAY_S, self._look)
 
     def _look(self, context: Context, state: State) -> EventStatus:
@@ -104,6 +109,9 @@ class CanonicalProjector(LeafSystem):
 
     def _calc_recalled(self, context: Any, output: Any) -> None:
         output.set_value(self._remembered(context).recalled)
+
+    def _calc_rim(self, context: Any, output: Any) -> None:
+        output.set_value(self._remembered(context).rim)
 
     def _remembered(self, context: Context) -> FollowedMap:
         held: Any = context.get_abstract_state(int(self._known))

@@ -31,6 +31,7 @@ class WorldReconciler(LeafSystem):
         - sensed_obstacles
         - canonical_reference
         - remaining_chain (optional)
+        - body_rim (optional)
         output_ports:
         - reconciled_field
         - reconciled_obstacles
@@ -42,6 +43,7 @@ class WorldReconciler(LeafSystem):
     `reconciled_obstacles` are the areas. `world_status` is 1 where both together are
     proved sound and 0 where not: then the robot must hold. `remaining_chain` is the
     learned field and those to come: the world of the next is made ahead of time.
+    With `body_rim` (a Workspace or None) both are within the body, where that is sound.
     `reconciled_worlds` is a tuple of every `bath_drake.control.world.World` made so,
     `restricted_areas` are the areas in force; neither depends on the inputs.
 
@@ -72,6 +74,7 @@ class WorldReconciler(LeafSystem):
         )
         self._p_NQ = self.DeclareVectorInputPort("canonical_reference", 2)
         self._chain = self.DeclareAbstractInputPort("remaining_chain", Value[object]())
+        self._rim = self.DeclareAbstractInputPort("body_rim", Value[object]())
         self._outlook = self.DeclareAbstractState(Value[object]())
         state = {self.abstract_state_ticket(self._outlook)}
         inputs = state | {self._field.ticket()}
@@ -104,6 +107,9 @@ class WorldReconciler(LeafSystem):
             chain = eval_value(self._chain, context, Chain)
         else:
             chain = Chain((eval_value(self._field, context, NavigationField),))
+        rim: Any = None
+        if self._rim.HasValue(context):
+            rim = eval_value(self._rim, context, object)
         before = self._in_force(context)
         outlook = look_ahead(
             before,
@@ -111,6 +117,7 @@ class WorldReconciler(LeafSystem):
             chain,
             eval_vector(self._p_NQ, context),
             slack=self._slack,
+            rim=rim,
         )
         if outlook is before:
             return EventStatus.DidNothing()

@@ -14,7 +14,7 @@ from bath_drake.control.staging import (
     remaining,
 )
 from bath_drake.control.world import join_areas
-from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
 
 CHAIN = crossing_chain()
@@ -86,3 +86,12 @@ def test_round_a_covered_goal_every_world_is_proved_and_the_last_goal_reached(k,
     end = rollout(point, world.field)
     assert end.status is RolloutStatus.ARRIVED
     np.testing.assert_array_equal(world.field.goal, CHAIN.goal)
+
+
+def test_another_body_makes_the_worlds_anew():
+    rim = Workspace(np.zeros(2), np.array([0.95, 1.0]), 6)
+    before = look_ahead(None, AREAS, CHAIN, START, slack=SLACK)
+    after = look_ahead(before, AREAS, CHAIN, START, slack=SLACK, rim=rim)
+    assert after.rim == rim
+    assert after.areas == before.areas
+    assert look_ahead(after, AREAS, CHAIN, START, slack=SLACK, rim=rim).rim == rim

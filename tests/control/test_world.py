@@ -111,3 +111,28 @@ def test_slack_makes_areas_that_contain_the_given_ones(areas, slack):
 def test_areas_of_another_number_are_not_contained():
     assert not contain(NONE, area(0, 0, 0.1, 0.1, 0))
     assert contain(NONE, NONE)
+
+
+BODY = Workspace(np.zeros(2), np.array([0.9, 1.0]), 6)
+
+
+def test_the_bodys_rim_takes_the_learned_ones_place():
+    world = join_areas(FIELD, NONE, START, BODY)
+    assert world.learned == FIELD
+    assert world.field.workspace == BODY
+    assert world.certificate.passed
+
+
+def test_the_motion_then_stays_within_the_body():
+    world = join_areas(FIELD, NONE, START, BODY)
+    rng = np.random.default_rng(3)
+    starts = rng.uniform(-0.95, 0.95, (60, 2))
+    for start in starts[BODY.beta(starts) > 0.05]:
+        assert (BODY.beta(rollout(start, world.field).path) > 0.0).all()
+
+
+def test_where_the_start_is_not_on_the_body_the_learned_rim_stays():
+    narrow = Workspace(np.zeros(2), np.array([0.5, 1.0]), 6)
+    outside = np.array([-0.7, 0.0])
+    assert narrow.beta(outside) < 0.0
+    assert join_areas(FIELD, NONE, outside, narrow).field == FIELD

@@ -197,8 +197,10 @@ def test_an_unreachable_pose_ends_within_the_joint_limits(dut, plant):
     _, commands, statuses = run(dut, lambda t: far, 12.0)
     assert np.isfinite(commands).all()
     q = commands[:, :7]
-    assert (q >= plant.GetPositionLowerLimits() + 0.07).all()
-    assert (q <= plant.GetPositionUpperLimits() - 0.07).all()
+    # Of the margin of 0.08 rad, a joint at half its speed (1.3 rad/s) takes 0.042 to
+    # come to rest at 20 rad/s^2.
+    assert (q >= plant.GetPositionLowerLimits() + 0.038).all()
+    assert (q <= plant.GetPositionUpperLimits() - 0.038).all()
     assert statuses[-1] == 1.0
 
 
