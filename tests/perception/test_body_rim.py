@@ -29,7 +29,7 @@ def back(waist, count=60000, seed=0):
 def test_it_is_as_broad_as_the_waist(waist):
     rim = body_rim(back(waist))
     # Of its area 1.5 % may stick out, all of it at the waist.
-    assert waist - 0.04 <= rim.semi_axes[0] <= min(waist + 0.13, BROADEST)
+    assert waist - 0.04 <= rim.semi_axes[0] <= min(waist + 0.16, BROADEST)
     assert (rim.semi_axes[1], rim.power) == (LENGTH, POWER)
 
 

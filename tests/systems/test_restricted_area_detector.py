@@ -1,45 +1,15 @@
-import dataclasses
-
 import numpy as np
 import pytest
+from made_up_back import BODY, observed_back
 from pydrake.common.value import Value
 from pydrake.systems.analysis import Simulator
 
 from bath_drake.perception.body_observation import BodyObservation
-from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.given_areas import given_areas
 from bath_drake.perception.restricted import find_restricted_areas
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 
 MARGIN, PERIOD = 0.02, 0.1
-BODY = CanonicalMap(
-    np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-    np.array([0.7, 0.0, 0.9]),
-    np.array([0.17, 0.25]),
-)
-
-
-def _observation(wound=True, stamp=0.0):
-    """A level back of 4 mm pixels, with a dark disc of 30 mm or without."""
-    rows, columns = np.mgrid[10:110, 10:90]
-    pixels = np.column_stack([columns.ravel(), rows.ravel()])
-    p_P = (pixels - [50, 60]) * 0.004 * [1.0, -1.0]
-    colours = np.full((len(pixels), 3), (200, 150, 120), dtype=np.uint8)
-    if wound:
-        colours[np.hypot(*(p_P - [0.05, 0.05]).T) < 0.03] = (25, 12, 12)
-    mask = np.zeros((120, 100), dtype=bool)
-    mask[rows, columns] = True
-    return dataclasses.replace(
-        BodyObservation(),
-        found=True,
-        stamp=stamp,
-        mask=mask,
-        robot_mask=np.zeros_like(mask),
-        pixels=pixels,
-        colours=colours,
-        points_W=BODY.p_WP + p_P @ BODY.R_WP[:, :2].T,
-        point_areas=np.full(len(pixels), 0.004**2),
-    )
 
 
 @pytest.fixture
@@ -60,27 +30,27 @@ def _look(simulator, observation, until):
 
 
 def test_the_areas_are_those_of_the_pure_function(simulator):
-    areas = _look(simulator, _observation(), 0.5 * PERIOD)
+    areas = _look(simulator, observed_back(), 0.5 * PERIOD)
     assert len(areas) == 1
-    assert areas == find_restricted_areas(_observation(), BODY, MARGIN)
+    assert areas == find_restricted_areas(observed_back(), BODY, MARGIN)
 
 
 def test_an_area_seen_for_some_frames_stays(simulator):
     for k in range(5):
-        before = _look(simulator, _observation(stamp=k * PERIOD), (k + 0.5) * PERIOD)
+        before = _look(simulator, observed_back(stamp=k * PERIOD), (k + 0.5) * PERIOD)
     for k in range(5, 30):
-        clear = _observation(wound=False, stamp=k * PERIOD)
+        clear = observed_back(wound=False, stamp=k * PERIOD)
         assert _look(simulator, clear, (k + 0.5) * PERIOD) == before
     assert _look(simulator, BodyObservation(), 31 * PERIOD) == before
 
 
 def test_an_area_that_one_frame_showed_goes_after_a_second_of_clear_skin(simulator):
-    assert len(_look(simulator, _observation(), 0.5 * PERIOD)) == 1
+    assert len(_look(simulator, observed_back(), 0.5 * PERIOD)) == 1
     counts = [
         len(
             _look(
                 simulator,
-                _observation(wound=False, stamp=k * PERIOD),
+                observed_back(wound=False, stamp=k * PERIOD),
                 (k + 0.5) * PERIOD,
             )
         )
@@ -90,10 +60,10 @@ def test_an_area_that_one_frame_showed_goes_after_a_second_of_clear_skin(simulat
 
 
 def test_one_frame_counts_once(simulator):
-    assert len(_look(simulator, _observation(), 2.5)) == 1
+    assert len(_look(simulator, observed_back(), 2.5)) == 1
     # Twenty-five looks at one frame confirm nothing: a second of clear skin clears it.
     for k in range(26, 40):
-        clear = _observation(wound=False, stamp=k * PERIOD)
+        clear = observed_back(wound=False, stamp=k * PERIOD)
         areas = _look(simulator, clear, (k + 0.5) * PERIOD)
     assert len(areas) == 0
 
@@ -123,11 +93,11 @@ def test_what_the_carer_gave_is_there_from_the_first_frame_on():
     simulator.AdvanceTo(0.05)
     assert len(port.Eval(context)) == 0  # nobody is there yet
     expected = given_areas([np.array(polygon)], BODY, MARGIN)
-    dut.GetInputPort("body_observation").FixValue(context, Value(_observation(False)))
+    dut.GetInputPort("body_observation").FixValue(context, Value(observed_back(False)))
     simulator.AdvanceTo(0.15)
     np.testing.assert_array_equal(port.Eval(context).theta, expected.theta)
     # A wound that is seen later is another area; the given one stays as it is.
-    wounded = _observation(stamp=0.2)
+    wounded = observed_back(stamp=0.2)
     dut.GetInputPort("body_observation").FixValue(context, Value(wounded))
     simulator.AdvanceTo(0.35)
     theta = port.Eval(context).theta
