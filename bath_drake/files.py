@@ -1,10 +1,16 @@
 """Files are read within limits, and written whole or not at all."""
 
+import io
 import os
 import stat
 import tempfile
+import warnings
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from bath_drake.errors import BathDrakeError
 
@@ -31,6 +37,38 @@ def read_bytes(path: str | Path, *, limit: int, error: _Error) -> bytes:
         raise
     except ValueError as problem:
         raise error(f"{str(path)!r} is not a file name: {problem}") from None
+
+
+def read_npz(
+    path: str | Path, *, limit: int, error: _Error
+) -> dict[str, np.ndarray[Any, Any]]:
+    """Returns the arrays of an .npz file by name.
+
+    Args:
+        path: The file.
+        limit: Bytes that it has at most, packed and unpacked.
+        error: What to raise.
+
+    Raises:
+        error: If it is missing, too large or damaged.
+    """
+    data = read_bytes(path, limit=limit, error=error)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size > limit:
+            raise error(f"{path}: unpacks to {size} bytes, allowed {limit}")
+        # NumPy warns of headers it has to mend; none that it wrote itself.
+        with warnings.catch_warnings(action="error"):
+            with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+                return {key: arrays[key] for key in arrays.files}
+    except error:
+        raise
+    # Whatever it is (zlib's errors, those of zip files, too little memory), the file
+    # made the libraries raise it.
+    except Exception as problem:
+        told = (str(problem) or type(problem).__name__).splitlines()[0][:200]
+        raise error(f"{path}: not a readable .npz file ({told})") from problem
 
 
 def check_output(path: str | Path, *, error: _Error = BathDrakeError) -> None:

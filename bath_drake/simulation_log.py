@@ -1,7 +1,6 @@
 """What one closed-loop run recorded, as arrays; saved as one .npz file."""
 
 import io
-import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bath_drake.errors import RunFolderError
-from bath_drake.files import read_bytes, write_atomically
+from bath_drake.files import read_npz, write_atomically
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.safety.hold import HoldReason
 
@@ -107,13 +106,9 @@ class SimulationLog:
     @staticmethod
     def load(path: Path) -> "SimulationLog":
         """Reads a log; raises RunFolderError naming file and key."""
-        data = read_bytes(path, limit=_MAX_BYTES, error=RunFolderError)
+        archive = read_npz(path, limit=_MAX_BYTES, error=RunFolderError)
         names = [f.name for f in fields(SimulationLog)]
-        try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in names if name in archive}
-        except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-            raise RunFolderError(f"{path}: not a readable log ({error})") from error
+        arrays: dict[str, Any] = {k: archive[k] for k in names if k in archive}
         if "canonical_reference" in arrays:
             # Logs from before there were such series.
             none = np.zeros_like(arrays["canonical_reference"])

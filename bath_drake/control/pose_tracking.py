@@ -81,6 +81,17 @@ def limited(twist: FloatArray, angular: float, linear: float) -> FloatArray:
     return result
 
 
+def together(twist: FloatArray, angular: float, linear: float) -> FloatArray:
+    """Returns the twist (6,) made slower as a whole until both parts are in bounds.
+
+    So a long way is gone straight, and the turn on it comes to its end with it: a
+    nozzle that turned first would take the arm where it need not go.
+    """
+    turn = float(np.linalg.norm(twist[:3])) / angular
+    shift = float(np.linalg.norm(twist[3:])) / linear
+    return np.asarray(twist / max(1.0, turn, shift))
+
+
 def next_feed_forward(
     previous: FloatArray, moved: FloatArray, config: TrackingConfig, dt: float
 ) -> FloatArray:
@@ -114,9 +125,8 @@ def next_twist(
         config: Gains and limits.
         dt: s.
     """
-    wanted = limited(
-        feed_forward + config.gain * error, config.angular_speed, config.speed
-    )
+    towards = together(config.gain * error, config.angular_speed, config.speed)
+    wanted = limited(feed_forward + towards, config.angular_speed, config.speed)
     change = limited(
         wanted - previous, config.angular_acceleration * dt, config.acceleration * dt
     )

@@ -12,6 +12,9 @@ from bath_drake.errors import ScenarioError
 from bath_drake.files import read_bytes
 from bath_drake.notation import FloatArray, IntArray
 
+# A person is within so much of their own origin, m.
+FURTHEST_M = 10.0
+
 _MAX_BYTES = 64 * 1024 * 1024
 # Of glTF's component types, those that positions and indices have in such a file.
 _TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -49,6 +52,11 @@ def read_part(path: Path) -> Part:
     n = len(part.vertices)
     if not np.isfinite(part.vertices).all():
         raise ScenarioError(f"{path}: a vertex is not finite")
+    furthest = float(np.abs(part.vertices).max(initial=0.0))
+    if furthest > FURTHEST_M:
+        raise ScenarioError(
+            f"{path}: a vertex is {furthest:.3g} m off, allowed {FURTHEST_M:g}"
+        )
     if not n or not len(part.triangles) or part.triangles.max() >= n:
         raise ScenarioError(f"{path}: indices: allowed 0 to {n - 1}, at least three")
     if part.rgba.shape != (4,) or not ((part.rgba >= 0) & (part.rgba <= 1)).all():

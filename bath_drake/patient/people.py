@@ -10,6 +10,7 @@ import numpy as np
 from bath_drake.errors import ScenarioError
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.arrays import read_arrays, take_array
+from bath_drake.patient.gltf import FURTHEST_M
 from bath_drake.resources import models_folder
 from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import read_yaml
@@ -170,6 +171,12 @@ def _check_mesh(
     if not np.isfinite(vertices).all():
         row = int(np.argmax(~np.isfinite(vertices).all(axis=1)))
         raise ScenarioError(f"{path}: V: row {row} is not finite")
+    if np.abs(vertices).max(initial=0.0) > FURTHEST_M:
+        row = int(np.argmax(np.abs(vertices).max(axis=1)))
+        raise ScenarioError(
+            f"{path}: V: row {row}: found {vertices[row].tolist()}, allowed within "
+            f"{FURTHEST_M:g} m of the origin"
+        )
     if (
         triangles.ndim != 2
         or triangles.shape[1] != 3

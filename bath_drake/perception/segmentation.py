@@ -65,6 +65,8 @@ class SegmentationConfig:
         torso_radius: The torso is what a disc of at least this radius covers.
         torso_share: The disc's radius as a share of that of the largest disc
             inside the skin: the shoulders of stout people are stouter too.
+        regain_rim: Whether the pixel at the edge comes back that the search for jumps
+            takes; without a sensor's noise a back may then be a little too broad.
         min_pixels: Fewer visible pixels are no back.
         min_fraction: A smaller share of the largest area seen is no back.
 
@@ -84,6 +86,7 @@ class SegmentationConfig:
     min_breadth: float = 0.5
     torso_radius: float = 0.075
     torso_share: float = 0.52
+    regain_rim: bool = True
     min_pixels: int = 400
     min_fraction: float = 0.3
 
@@ -221,7 +224,9 @@ def _segment(
         skin, config.torso_radius / pitch, config.torso_share
     )
     # A pixel beside a jump is not solid, and the opening costs another one.
-    torso = with_rim(points_W, torso & ~robot_mask, coloured, config.jump)
+    torso = torso & ~robot_mask
+    if config.regain_rim:
+        torso = with_rim(points_W, torso, coloured, config.jump)
     visible = _trimmed(points_W, torso, robot_mask, config, expected)
     if expected is None:
         hidden = _hidden(robot_mask, visible)

@@ -12,6 +12,7 @@ from bath_drake.control.pose_tracking import (
     limited,
     next_feed_forward,
     next_twist,
+    together,
 )
 
 DT = 0.005
@@ -64,6 +65,28 @@ def test_limits_bound_each_part_and_keep_its_direction(twist, angular, linear):
         assert bounded[part] @ twist[part] >= 0.0
         if np.linalg.norm(twist[part]) <= bound:
             np.testing.assert_array_equal(bounded[part], twist[part])
+
+
+@given(twist=TWIST, angular=st.floats(0.01, 5.0), linear=st.floats(0.01, 5.0))
+def test_together_both_parts_are_slowed_alike(twist, angular, linear):
+    slowed = together(twist, angular, linear)
+    # Rounding of one division and of a norm.
+    assert np.linalg.norm(slowed[:3]) <= angular * (1.0 + 1e-12)
+    assert np.linalg.norm(slowed[3:]) <= linear * (1.0 + 1e-12)
+    share = np.linalg.norm(slowed) / max(np.linalg.norm(twist), 1e-300)
+    np.testing.assert_allclose(slowed, share * twist, atol=1e-12)
+
+
+def test_a_long_way_and_the_turn_on_it_end_together():
+    follower = Follower()
+    R = Rotation.from_rotvec([0.9, 0.0, 0.0]).as_matrix()
+    p = np.array([0.0, 0.0, 0.3])
+    for _ in range(2000):
+        error = follower.step(R, p)
+        if np.linalg.norm(error[3:]) < 0.15:
+            break
+    # Half way there it is half turned, but for what the acceleration's bounds cost.
+    assert np.linalg.norm(error[:3]) == pytest.approx(0.45, abs=0.05)
 
 
 @given(previous=TWIST, error=TWIST, feed_forward=TWIST)

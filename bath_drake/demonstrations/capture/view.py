@@ -53,6 +53,8 @@ class View:
         self.config = SegmentationConfig(
             box_low_W=np.full(3, -reach),
             box_high_W=np.full(3, reach),
+            # The body's frames are gathered: single ones' noise does not narrow it.
+            regain_rim=False,
         )
 
     def points_C(self, depth: FloatArray) -> FloatArray:
