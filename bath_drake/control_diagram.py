@@ -7,14 +7,17 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.composition.rollout import chain_rollout
 from bath_drake.learning.skill import Skill
+from bath_drake.safety.limits import GuardLimits, load_limits
 from bath_drake.scenario import Scenario, approach_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
 from bath_drake.systems.approach_sequencer import ApproachSequencer
+from bath_drake.systems.canonical_guard import CanonicalGuard
 from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker
 from bath_drake.systems.certificate_monitor import CertificateMonitor
 from bath_drake.systems.differential_ik import DifferentialIk
 from bath_drake.systems.hold_supervisor import HoldSupervisor
+from bath_drake.systems.joint_guard import JointGuard
 from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
 from bath_drake.systems.nozzle_kinematics import NozzleKinematics
@@ -25,6 +28,9 @@ from bath_drake.systems.surface_velocity import SurfaceVelocity
 from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
 from bath_drake.systems.world_reconciler import WorldReconciler
 from bath_drake.wiring import add_all, connect
+
+# What is planned stays this much further from the guard's limits: rad, and a share.
+_PLANNED_MARGIN, _PLANNED_SHARE = 0.02, 0.8
 
 
 def add_control(
@@ -38,6 +44,7 @@ def add_control(
     control = scenario.control
     camera_period = 1.0 / scenario.perception.camera_rate
     arm = make_control_plant(scenario.scene.arm)
+    limits = load_limits()
     systems = add_all(
         builder,
         {
@@ -62,7 +69,11 @@ def add_control(
                 plant=arm,
                 home=home_position(scenario.scene.arm),
                 posture=np.array(scenario.scene.arm.posture),
+                joint_margin=limits.joints.margin + _PLANNED_MARGIN,
+                joint_acceleration=_PLANNED_SHARE * min(limits.joints.acceleration),
             ),
+            "canonical_guard": CanonicalGuard(limits=limits),
+            "joint_guard": _joint_guard(arm, scenario, limits),
             "nozzle_kinematics": NozzleKinematics(plant=arm),
             "canonical_tracker": CanonicalTracker(),
             "hold_supervisor": HoldSupervisor(max_frame_age=control.max_frame_age),
@@ -90,6 +101,7 @@ def add_control(
     tracker = systems["canonical_tracker"]
     supervisor = systems["hold_supervisor"]
     monitor = systems["loop_monitor"]
+    guard = systems["joint_guard"]
     for source, port, sinks in (
         (systems["virtual_obstacle_source"], "navigation_chain", [stages]),
         (stages, "navigation_field", [world, monitor]),
@@ -106,12 +118,20 @@ def add_control(
         (surface, "surface_status", [supervisor]),
         (ik, "ik_status", [supervisor]),
         (systems["nozzle_kinematics"], "nozzle_pose", [tracker, approach, monitor]),
-        (supervisor, "hold", [ik, reference, approach]),
+        (guard, "hold", [ik, reference, approach]),
+        (ik, "joint_command", [guard]),
+        (ik, "ik_status", [guard]),
+        (surface, "surface_status", [guard]),
+        (surface, "surface_normal", [guard]),
+        (proof, "world_status", [guard, systems["canonical_guard"]]),
+        (guard, "condition_number", [systems["canonical_guard"]]),
+        (controller, "canonical_velocity", [systems["canonical_guard"]]),
     ):
         connect(builder, source, port, sinks)
+    moving = [controller, proof, systems["canonical_guard"]]
     for port, name, sinks in (
-        ("reconciled_field", "navigation_field", [controller, proof]),
-        ("reconciled_obstacles", "sensed_obstacles", [controller, proof]),
+        ("reconciled_field", "navigation_field", moving),
+        ("reconciled_obstacles", "sensed_obstacles", moving),
         ("world_status", "reconciler_status", [proof]),
         ("restricted_areas", "sensed_obstacles", [stages]),
     ):
@@ -122,20 +142,41 @@ def add_control(
         reference.GetOutputPort("canonical_reference"),
         controller.GetInputPort("canonical_position"),
     )
+    for source, port, sink, name in (
+        (
+            reference,
+            "canonical_reference",
+            systems["canonical_guard"],
+            "canonical_position",
+        ),
+        (systems["canonical_guard"], "present_reason", guard, "other_reason"),
+        (guard, "checked_command", ik, "emitted_command"),
+    ):
+        builder.Connect(source.GetOutputPort(port), sink.GetInputPort(name))
     _join_reference(builder, systems)
     return systems
 
 
+def _joint_guard(arm: Any, scenario: Scenario, limits: GuardLimits) -> JointGuard:
+    # Right after the inverse kinematics' step of the same instant.
+    return JointGuard(
+        plant=arm,
+        home=home_position(scenario.scene.arm),
+        limits=limits,
+        offset=0.1 * limits.loop.period,
+    )
+
+
 def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
     """What the reference gets, and what is made of it."""
-    controller = systems["navigation_controller"]
+    checked = systems["canonical_guard"].GetOutputPort("checked_velocity")
     reference = systems["canonical_reference"]
     surface, monitor = systems["surface_reference"], systems["loop_monitor"]
     tracker = systems["canonical_tracker"]
     stages = systems["stage_sequencer"]
     if "periodic_motion" not in systems:
         connect(builder, stages, "final_stage", [monitor])
-        connect(builder, controller, "canonical_velocity", [reference])
+        builder.Connect(checked, reference.GetInputPort("canonical_velocity"))
         connect(builder, tracker, "canonical_position", [reference, monitor])
         connect(
             builder,
@@ -146,13 +187,13 @@ def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
         return
     # The discrete motion is followed as if there were no cycles on it.
     motion, world = systems["periodic_motion"], systems["world_reconciler"]
-    connect(builder, controller, "canonical_velocity", [motion])
+    builder.Connect(checked, motion.GetInputPort("canonical_velocity"))
     connect(builder, reference, "canonical_reference", [motion])
     connect(builder, tracker, "canonical_position", [motion, monitor])
     connect(builder, stages, "navigation_field", [motion])
     connect(builder, stages, "final_stage", [motion])
     connect(builder, systems["approach_sequencer"], "phase", [motion])
-    connect(builder, systems["hold_supervisor"], "hold", [motion])
+    connect(builder, systems["joint_guard"], "hold", [motion])
     for source, port, sink, name in (
         (world, "restricted_areas", motion, "sensed_obstacles"),
         (motion, "canonical_target", surface, "canonical_reference"),

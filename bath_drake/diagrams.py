@@ -55,6 +55,8 @@ LOGGED_PORTS = (
 )
 # And where there is a periodic motion.
 PERIODIC_PORTS = (("periodic_motion", "canonical_offset"),)
+# Who heeds what the camera saw, and when.
+_WATCHING = ("hold_supervisor", "canonical_guard", "joint_guard")
 _LOG_PERIOD_S = 0.01
 _MESHCAT_PERIOD_S = 1.0 / 15.0
 
@@ -215,7 +217,7 @@ def _close_loop(
         builder,
         perception["body_segmenter"],
         "body_observation",
-        [surface, control["surface_velocity"], control["hold_supervisor"]],
+        [surface, *(control[name] for name in ("surface_velocity", *_WATCHING))],
     )
     connect(
         builder,
@@ -227,6 +229,7 @@ def _close_loop(
                 "surface_reference",
                 "surface_velocity",
                 "navigation_controller",
+                "canonical_guard",
                 "canonical_tracker",
                 "periodic_motion",
             )
@@ -237,7 +240,7 @@ def _close_loop(
         builder,
         perception["canonical_projector"],
         "map_status",
-        [control["hold_supervisor"]],
+        [control[name] for name in _WATCHING],
     )
     connect(
         builder,
@@ -259,7 +262,7 @@ def _close_loop(
         [control["world_reconciler"]],
     )
     builder.Connect(
-        control["differential_ik"].GetOutputPort("joint_command"),
+        control["joint_guard"].GetOutputPort("checked_command"),
         scene.plant.get_desired_state_input_port(scene.arm),
     )
     builder.Connect(

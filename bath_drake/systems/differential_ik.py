@@ -44,15 +44,17 @@ class DifferentialIk(LeafSystem):
         input_ports:
         - desired_nozzle_pose
         - hold
+        - emitted_command (optional)
         output_ports:
         - joint_command
         - ik_status
 
     `desired_nozzle_pose` is X_WE (RigidTransform); `hold` (1) above 0.5 keeps the
-    last command. `joint_command` (14) is q, v for the plant's desired-state port;
-    `ik_status` (1) is 0 ok, 1 stuck, no solution or no usable pose. While held, or
-    without a usable pose or a solution, q stays and v is zero: nothing that is not
-    finite ever leaves. Discrete state, updated with the period `time_step`.
+    last command, or takes over the positions of `emitted_command` (14), which is what
+    the robot was told meanwhile. `joint_command` (14) is q, v for the plant's desired-
+    state port; `ik_status` (1) is 0 ok, 1 stuck, no solution or no usable pose. While
+    held, or without a usable pose or a solution, q stays and v is zero: nothing that is
+    not finite ever leaves. Discrete state, updated with the period `time_step`.
 
     The turn about the jet is not followed: a round jet has no roll, and free it keeps
     the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the
@@ -131,6 +133,7 @@ class DifferentialIk(LeafSystem):
             "desired_nozzle_pose", Value(RigidTransform())
         )
         self._hold = self.DeclareVectorInputPort("hold", 1)
+        self._emitted = self.DeclareVectorInputPort("emitted_command", 14)
         start = np.zeros(_SIZE)
         start[_Q] = home
         state = self.DeclareDiscreteState(drake_vector(start))
@@ -155,6 +158,8 @@ class DifferentialIk(LeafSystem):
         X_WE = eval_value(self._desired, context, RigidTransform)
         R, p = np.array(X_WE.rotation().matrix()), np.array(X_WE.translation())
         if held:
+            if self._emitted.HasValue(context):
+                state[_Q] = eval_vector(self._emitted, context)[:7]
             state = _at_rest(state, STATUS_OK)
         elif not is_pose(R, p):
             state = _at_rest(state, STATUS_STUCK)

@@ -18,7 +18,7 @@ from bath_drake.notation import FloatArray
 from bath_drake.safety.guard_ticks import JointTick, joint_tick
 from bath_drake.safety.joint_command import Emitted, JointRange, condition_number
 from bath_drake.safety.limits import GuardLimits, check_limits
-from bath_drake.safety.reasons import Reason
+from bath_drake.safety.reasons import Mode, Reason
 from bath_drake.systems._guard_facts import FactPorts
 from bath_drake.systems._ports import drake_vector, eval_vector, set_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
@@ -38,6 +38,7 @@ class JointGuard(LeafSystem):
           robot_stamp, reset, other_reason (optional)
         output_ports:
         - checked_command
+        - hold
         - condition_number
         - guard_mode
         - guard_reason
@@ -47,9 +48,10 @@ class JointGuard(LeafSystem):
 
     `joint_command` and `checked_command` (14) are q, v. An optional port that is not
     connected is not watched; see `bath_drake.safety.facts.GuardFacts` for what each
-    says. Without `surface_normal` a RETREAT is a HOLD. `condition_number` is that of
-    the nozzle's Jacobian at the emitted positions. `guard_mode` and `guard_reason` are
-    of `bath_drake.safety.reasons`; `present_reason` is NONE as soon as all is well, and
+    says. Without `surface_normal` a RETREAT is a HOLD. `hold` is 0 under PASS and else
+    1, for those who plan. `condition_number` is that of the nozzle's Jacobian at the
+    emitted positions. `guard_mode` and `guard_reason` are of
+    `bath_drake.safety.reasons`; `present_reason` is NONE as soon as all is well, and
     what another guard may take as its `other_reason`; `guard_counts` counts how often
     each reason began, `limited_count` the ticks at which less passed than asked for.
 
@@ -99,6 +101,7 @@ class JointGuard(LeafSystem):
         ticket = {self.abstract_state_ticket(self._state)}
         for name, size, calc in (
             ("checked_command", 14, self._calc_command),
+            ("hold", 1, self._calc_hold),
             ("condition_number", 1, self._calc_condition),
             ("guard_mode", 1, self._calc_mode),
             ("guard_reason", 1, self._calc_reason),
@@ -170,6 +173,10 @@ class JointGuard(LeafSystem):
 
     def _calc_command(self, context: Context, output: BasicVector) -> None:
         set_vector(output, self.last_tick(context).emitted.vector())
+
+    def _calc_hold(self, context: Context, output: BasicVector) -> None:
+        mode = self.last_tick(context).state.mode
+        set_vector(output, [float(mode is not Mode.PASS)])
 
     def _calc_condition(self, context: Context, output: BasicVector) -> None:
         _, jacobian_E = self._jacobians(self.last_tick(context).emitted.q)

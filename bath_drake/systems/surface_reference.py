@@ -56,10 +56,12 @@ class SurfaceReference(LeafSystem):
         - surface_patch
         - desired_nozzle_pose
         - surface_status
+        - surface_normal
 
     `standoff` is in metres. `desired_nozzle_pose` is X_WE. `surface_status` is 1
     where the skin was seen well enough and 0 where not; then the pose is one over
-    the back's plane and must not be followed. With `surface_velocity`, rad/s and m/s
+    the back's plane and must not be followed, and `surface_normal`, else the outward
+    unit normal (3) in W, is zero. With `surface_velocity`, rad/s and m/s
     in W, patch and pose are where the skin has gone to since the frame was taken, for
     up to `HORIZON_S`; without, where it was seen. With `recalled_skin` it is found
     where the robot hides it, too. Stateless.
@@ -115,6 +117,7 @@ class SurfaceReference(LeafSystem):
             now | {self._map.ticket(), self._standoff.ticket()},
         )
         self.DeclareVectorOutputPort("surface_status", 1, self._calc_status, sources)
+        self.DeclareVectorOutputPort("surface_normal", 3, self._calc_normal, now)
 
     def _calc_fit(self, context: Any, output: Any) -> None:
         observation = eval_value(self._observation, context, BodyObservation)
@@ -151,3 +154,7 @@ class SurfaceReference(LeafSystem):
     def _calc_status(self, context: Context, output: BasicVector) -> None:
         patch: Any = self._fit.Eval(context)
         set_vector(output, [float(patch.valid)])
+
+    def _calc_normal(self, context: Context, output: BasicVector) -> None:
+        patch: Any = self._patch.Eval(context)
+        set_vector(output, patch.normal_W if patch.valid else np.zeros(3))
