@@ -1,0 +1,76 @@
+"""No command goes around the guards, in any shipped Diagram that drives the arm."""
+
+import pytest
+from write_wiring import BUILDERS, shipped_diagram
+
+# In these the arm stands at home, by a constant, or there is none.
+STANDING = {name for name in BUILDERS if name.endswith("_perception")} | {
+    "demonstration",
+    "canonical_loop",
+}
+DRIVEN = sorted(set(BUILDERS) - STANDING)
+
+
+def sources(diagram):
+    """(system, port) of what every input port is fed by."""
+    return {
+        (system.get_name(), system.get_input_port(port).get_name()): (
+            source.get_name(),
+            source.get_output_port(output).get_name(),
+        )
+        for (system, port), (source, output) in diagram.connection_map().items()
+    }
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_all_that_moves_the_arm_is_the_joint_guards_checked_command(name):
+    diagram = shipped_diagram(name)
+    commands = {
+        port: source
+        for (system, port), source in sources(diagram).items()
+        if system == "plant" and source[0] != "scene_graph"
+    }
+    assert commands == {
+        "arm_desired_state": ("joint_guard", "checked_command"),
+        # Carries the arm's own weight, from its measured state alone.
+        "arm_actuation": ("gravity_compensation", "generalized_force"),
+    }
+    compensated = {
+        source
+        for (system, _), source in sources(diagram).items()
+        if system == "gravity_compensation"
+    }
+    assert compensated == {("plant", "arm_state")}
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_the_canonical_velocity_goes_to_its_guard_alone(name):
+    fed = sources(shipped_diagram(name))
+    raw = ("navigation_controller", "canonical_velocity")
+    takers = {sink for sink, source in fed.items() if source == raw}
+    assert takers == {("canonical_guard", "canonical_velocity")}
+    checked = ("canonical_guard", "checked_velocity")
+    takers = {system for (system, _), source in fed.items() if source == checked}
+    periodic = shipped_diagram(name).HasSubsystemNamed("periodic_motion")
+    assert takers == {"periodic_motion" if periodic else "canonical_reference"}
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_the_inverse_kinematics_is_heard_by_the_joint_guard_and_the_log_alone(name):
+    fed = sources(shipped_diagram(name))
+    raw = ("differential_ik", "joint_command")
+    takers = {sink for sink, source in fed.items() if source == raw}
+    assert {system for system, _ in takers if not system.startswith("log_")} == {
+        "joint_guard"
+    }
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_what_the_guard_holds_is_held_where_it_is_planned(name):
+    fed = sources(shipped_diagram(name))
+    for system in ("differential_ik", "canonical_reference", "approach_sequencer"):
+        assert fed[system, "hold"] == ("joint_guard", "hold")
+    assert fed["differential_ik", "emitted_command"] == (
+        "joint_guard",
+        "checked_command",
+    )
