@@ -180,6 +180,23 @@ def test_hold_freezes_the_command_and_zeroes_the_velocity(dut, plant):
     assert np.abs(commands[-1, 7:]).max() > 0.05  # and goes on afterwards
 
 
+def test_held_it_takes_over_what_the_robot_was_told_meanwhile(dut, plant):
+    simulator = Simulator(dut, dut.CreateDefaultContext())
+    context = simulator.get_mutable_context()
+    told = np.concatenate([home_position(ArmConfig()) + 0.02, np.full(7, 0.3)])
+    dut.GetInputPort("desired_nozzle_pose").FixValue(context, Value(home_pose(plant)))
+    dut.GetInputPort("emitted_command").FixValue(context, told)
+    dut.GetInputPort("hold").FixValue(context, [1.0])
+    simulator.AdvanceTo(2.5 * STEP)
+    command = dut.GetOutputPort("joint_command").Eval(context)
+    np.testing.assert_array_equal(command, np.concatenate([told[:7], np.zeros(7)]))
+    # And goes on from there: no further in a step than its acceleration allows.
+    dut.GetInputPort("hold").FixValue(context, [0.0])
+    simulator.AdvanceTo(3.5 * STEP)
+    command = dut.GetOutputPort("joint_command").Eval(context)
+    assert 0.0 < np.abs(command[:7] - told[:7]).max() <= 20.0 * STEP**2 + 1e-12
+
+
 @pytest.mark.parametrize("position", [[np.nan, 0.0, 0.5], [np.inf, 0.0, 0.5]])
 def test_a_pose_that_is_not_finite_never_leaves(dut, plant, position):
     good, bad = moved(home_pose(plant), [0.0, 0.1, 0.0]), RigidTransform(position)

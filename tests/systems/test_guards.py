@@ -299,6 +299,16 @@ def test_a_stop_is_left_by_the_reset_port_alone(joint):
     assert out(joint, context, "guard_mode")[0] == Mode.HOLD
 
 
+def test_the_hold_is_off_while_it_passes_alone(joint):
+    simulator = run(joint, 0.1)
+    context = simulator.get_mutable_context()
+    assert out(joint, context, "hold")[0] == 1.0
+    advance(joint, simulator, 0.4)
+    assert out(joint, context, "hold")[0] == 0.0
+    advance(joint, simulator, 0.42, body_status=[1.0, 1.0])
+    assert out(joint, context, "hold")[0] == 1.0
+
+
 def test_what_is_emitted_can_be_put_into_a_context_and_is_checked(joint):
     context = joint.CreateDefaultContext()
     q = HOME + 0.01

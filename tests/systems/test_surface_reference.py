@@ -51,6 +51,8 @@ def test_patch_and_pose_are_those_of_the_pure_functions(dut, observation):
     np.testing.assert_array_equal(X_WE.translation(), p_WE)
     np.testing.assert_array_equal(X_WE.rotation().matrix(), R_WE)
     assert dut.GetOutputPort("surface_status").Eval(context)[0] == 1.0
+    normal = dut.GetOutputPort("surface_normal").Eval(context)
+    np.testing.assert_array_equal(normal, expected.normal_W)
 
 
 def test_a_new_standoff_moves_the_nozzle_alone(dut, observation):
@@ -67,6 +69,8 @@ def test_no_skin_is_status_zero_and_still_a_pose(dut):
     context = _context(dut, BodyObservation())
     assert dut.GetOutputPort("surface_status").Eval(context)[0] == 0.0
     assert not dut.GetOutputPort("surface_patch").Eval(context).valid
+    normal = dut.GetOutputPort("surface_normal").Eval(context)
+    np.testing.assert_array_equal(normal, np.zeros(3))
     X_WE = dut.GetOutputPort("desired_nozzle_pose").Eval(context)
     assert np.isfinite(X_WE.translation()).all()
 
