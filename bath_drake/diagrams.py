@@ -45,6 +45,7 @@ LOGGED_PORTS = (
     ("approach_sequencer", "phase"),
     ("approach_sequencer", "standoff"),
     ("hold_supervisor", "hold_reason"),
+    ("joint_guard", "guard_reason"),
     ("canonical_projector", "rejected_frames"),
     ("certificate_monitor", "certificate_verdict"),
     ("certificate_monitor", "certificate_seconds"),

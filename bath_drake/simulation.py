@@ -165,6 +165,7 @@ def _collect(
         phase=series["phase"][:, 0],
         standoff=series["standoff"][:, 0],
         hold_reason=series["hold_reason"][:, 0],
+        guard_reason=series["guard_reason"][:, 0],
         rejected_frames=series["rejected_frames"][:, 0],
         certificate_verdict=series["certificate_verdict"][:, 0],
         certificate_seconds=series["certificate_seconds"][:, 0],

@@ -28,6 +28,8 @@ class SimulationLog:
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
         hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
+        guard_reason: (T,) a `bath_drake.safety.reasons.Reason` each, of the joint
+            guard; zero in older logs.
         rejected_frames: (T,) how many frames showed a map that no body can have come
             to; zero in older logs.
         certificate_verdict: (T,) a `bath_drake.control.certified_world.WorldVerdict`
@@ -68,6 +70,7 @@ class SimulationLog:
     phase: FloatArray
     standoff: FloatArray
     hold_reason: FloatArray
+    guard_reason: FloatArray
     rejected_frames: FloatArray
     certificate_verdict: FloatArray
     certificate_seconds: FloatArray
@@ -114,6 +117,7 @@ class SimulationLog:
             none = np.zeros_like(arrays["canonical_reference"])
             arrays.setdefault("canonical_offset", none)
             arrays.setdefault("rejected_frames", np.zeros(len(none)))
+            arrays.setdefault("guard_reason", np.zeros(len(none)))
         counts = arrays.get("hold_counts")
         if counts is not None and counts.ndim == 1 and len(counts) < len(HoldReason):
             # And those from before fewer reasons to hold.

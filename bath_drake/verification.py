@@ -30,6 +30,7 @@ from bath_drake.perception.frame_delivery import dropped_frames
 from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.outcome import LoopOutcome
+from bath_drake.safety.reasons import Reason
 from bath_drake.scenario import Limits, Scenario
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.systems._ports import drake_vector
@@ -145,6 +146,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
             count=int(log.frames),
         ),
         "rejected_frames": int(log.rejected_frames.max(initial=0.0)),
+        "guard_s": _guarded(log),
         "holds": {
             reason.name.lower(): int(count)
             for reason, count in zip(HoldReason, log.hold_counts, strict=True)
@@ -289,6 +291,17 @@ def _least(values: FloatArray | None) -> float | None:
 
 def _most(values: FloatArray) -> float | None:
     return float(np.max(values)) if len(values) else None
+
+
+def _guarded(log: SimulationLog) -> dict[str, float]:
+    """For how long the joint guard let nothing pass, s, by its reasons."""
+    step = float(np.median(np.diff(log.time))) if len(log.time) > 1 else 0.0
+    seconds = {
+        reason.name.lower(): round(step * int((log.guard_reason == reason).sum()), 3)
+        for reason in Reason
+        if reason is not Reason.NONE
+    }
+    return {name: time for name, time in seconds.items() if time > 0.0}
 
 
 def _mean_max(values: FloatArray) -> dict[str, float | None]:

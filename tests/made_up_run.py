@@ -164,6 +164,7 @@ def make_log(
         canonical_position=p_N + rng.normal(0.0, 1e-3, (count, 2)),
         canonical_reference=p_N + 0.01,
         rejected_frames=np.zeros(count),
+        guard_reason=np.zeros(count),
         canonical_offset=np.zeros((count, 2)),
         stage=np.zeros(count),
         phase=phase,

@@ -121,6 +121,7 @@ class DifferentialIk(LeafSystem):
         # A scratch pad, written before every use: it remembers nothing.
         self._scratch = plant.CreateDefaultContext()
         self._acceleration = joint_acceleration
+        self._range = low, high
         self._unbounded = _parameters(
             plant, posture, (low, high), time_step, speed_fraction, centering_gain
         )
@@ -180,6 +181,7 @@ class DifferentialIk(LeafSystem):
             feed_forward = next_feed_forward(state[_FEED_FORWARD], moved, tracking, dt)
         error = jet_difference(R, p, R_d, p_d)
         twist = next_twist(state[_TWIST], error, feed_forward, tracking, dt)
+        self._admit(state[_Q])
         v = self._solve(state[_V], twist)
         if v is None:
             return _at_rest(state, STATUS_STUCK)
@@ -193,6 +195,16 @@ class DifferentialIk(LeafSystem):
         after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
         after[_SEEN], after[_STATUS] = 1.0, STATUS_OK
         return after
+
+    def _admit(self, q: FloatArray) -> None:
+        """Widens the range to a position (7,) that was taken over, as far as it is.
+
+        From beyond a limit no motion within it begins, not even the one back.
+        """
+        low, high = self._range
+        limits = drake_vector(np.minimum(low, q)), drake_vector(np.maximum(high, q))
+        for parameters in (self._parameters, self._unbounded):
+            parameters.set_joint_position_limits(limits)
 
     def _solve(self, v_last: FloatArray, twist: FloatArray) -> FloatArray | None:
         """Returns joint velocities (7,), or None where there are none."""

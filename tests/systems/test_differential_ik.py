@@ -241,3 +241,32 @@ def test_bad_parameters_are_refused(plant, arguments, message):
 def test_tracking_numbers_must_be_positive(name):
     with pytest.raises(ValueError, match=name):
         TrackingConfig(**{name: 0.0})
+
+
+def test_from_beyond_its_own_range_it_finds_the_way_back(plant):
+    """What was taken over while held may be nearer to a limit than it would go."""
+    q = home_position(ArmConfig())
+    dut = DifferentialIk(plant=plant, home=q, joint_margin=0.12)
+    low = plant.GetPositionLowerLimits()
+    beyond = q.copy()
+    beyond[3] = low[3] + 0.11
+    builder = DiagramBuilder()
+    source = builder.AddSystem(
+        MovingPose(lambda t: home_pose(plant), lambda t: float(t < 0.02))
+    )
+    builder.AddSystem(dut)
+    for port in ("desired_nozzle_pose", "hold"):
+        builder.Connect(source.GetOutputPort(port), dut.GetInputPort(port))
+    statuses = LogVectorOutput(dut.GetOutputPort("ik_status"), builder, STEP)
+    commands = LogVectorOutput(dut.GetOutputPort("joint_command"), builder, STEP)
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    root = simulator.get_mutable_context()
+    context = dut.GetMyMutableContextFromRoot(root)
+    emitted = np.concatenate([beyond, np.zeros(7)])
+    dut.GetInputPort("emitted_command").FixValue(context, emitted)
+    simulator.AdvanceTo(6.0)
+    assert not statuses.FindLog(root).data().any()
+    joint = commands.FindLog(root).data()[3]
+    assert joint[10] >= low[3] + 0.11 - 1e-9
+    assert joint[-1] > low[3] + 0.2
