@@ -1,5 +1,6 @@
 """Wires what drives the motion: field, world, reference, surface, arm."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ def add_control(
     control = scenario.control
     camera_period = 1.0 / scenario.perception.camera_rate
     arm = make_control_plant(scenario.scene.arm)
-    limits = load_limits()
+    limits = guard_limits(scenario)
     systems = add_all(
         builder,
         {
@@ -155,6 +156,13 @@ def add_control(
         builder.Connect(source.GetOutputPort(port), sink.GetInputPort(name))
     _join_reference(builder, systems)
     return systems
+
+
+def guard_limits(scenario: Scenario) -> GuardLimits:
+    """Returns the shipped limits; a scenario can make frames stale sooner, not later."""
+    limits = load_limits()
+    age = min(limits.frames.hold_age, scenario.control.max_frame_age)
+    return replace(limits, frames=replace(limits.frames, hold_age=age))
 
 
 def _joint_guard(arm: Any, scenario: Scenario, limits: GuardLimits) -> JointGuard:

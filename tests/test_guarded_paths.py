@@ -3,6 +3,9 @@
 import pytest
 from write_wiring import BUILDERS, shipped_diagram
 
+from bath_drake.control_diagram import guard_limits
+from bath_drake.scenario import ControlConfig, Scenario
+
 # In these the arm stands at home, by a constant, or there is none.
 STANDING = {name for name in BUILDERS if name.endswith("_perception")} | {
     "demonstration",
@@ -74,3 +77,9 @@ def test_what_the_guard_holds_is_held_where_it_is_planned(name):
         "joint_guard",
         "checked_command",
     )
+
+
+@pytest.mark.parametrize(("asked", "kept"), [(0.05, 0.05), (0.1, 0.1), (0.4, 0.1)])
+def test_a_scenario_can_make_frames_stale_sooner_but_not_later(asked, kept):
+    scenario = Scenario(control=ControlConfig(max_frame_age=asked))
+    assert guard_limits(scenario).frames.hold_age == kept
