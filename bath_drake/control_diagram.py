@@ -159,7 +159,7 @@ def add_control(
 
 
 def guard_limits(scenario: Scenario) -> GuardLimits:
-    """Returns the shipped limits; a scenario can make frames stale sooner, not later."""
+    """Returns the shipped limits; a scenario can only make frames stale sooner."""
     limits = load_limits()
     age = min(limits.frames.hold_age, scenario.control.max_frame_age)
     return replace(limits, frames=replace(limits.frames, hold_age=age))
