@@ -26,6 +26,8 @@ class ApproachLimits:
         speed: Speed along the normal, m/s (at most 0.05 near people).
         lined_up: Position error under which it counts as there while far, m.
         arrived: ... and when it has come down, m.
+        astray: Further off than this it lines up anew, far from the skin, m: after a
+            retreat, or when the body has moved away from a robot that held.
     """
 
     far_standoff: float = 0.14
@@ -33,6 +35,7 @@ class ApproachLimits:
     speed: float = 0.05
     lined_up: float = 0.015
     arrived: float = 0.005
+    astray: float = 0.05
 
     def __post_init__(self) -> None:
         """Raises ValueError unless all are positive and far is not near."""
@@ -62,6 +65,8 @@ def next_approach(
         dt: The step, s.
         limits: Distances and speed.
     """
+    if phase is not Phase.REACH and position_error > limits.astray:
+        return Phase.REACH, limits.far_standoff
     if phase is Phase.REACH and position_error < limits.lined_up:
         return Phase.DESCEND, standoff
     if phase is Phase.DESCEND:

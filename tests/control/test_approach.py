@@ -7,8 +7,8 @@ from bath_drake.control.approach import ApproachLimits, Phase, next_approach
 LIMITS = ApproachLimits()
 
 
-@given(errors=st.lists(st.floats(0.0, 0.5), max_size=300))
-def test_the_standoff_only_falls_and_never_below_the_washing_one(errors):
+@given(errors=st.lists(st.floats(0.0, LIMITS.astray), max_size=300))
+def test_near_its_place_the_standoff_only_falls_never_below_the_washing_one(errors):
     phase, standoff = Phase.REACH, LIMITS.far_standoff
     for error in errors:
         next_phase, lower = next_approach(phase, standoff, error, 0.01, LIMITS)
@@ -39,3 +39,12 @@ def test_limits_must_be_positive(speed):
 def test_far_is_not_nearer_than_near():
     with pytest.raises(ValueError, match="far_standoff"):
         ApproachLimits(far_standoff=0.05, standoff=0.06)
+
+
+@pytest.mark.parametrize("phase", [Phase.DESCEND, Phase.WASH])
+def test_a_nozzle_that_is_far_off_lines_up_anew_far_from_the_skin(phase):
+    limits = ApproachLimits()
+    here = next_approach(phase, 0.06, limits.astray - 1e-6, 0.01, limits)
+    assert here[0] is phase
+    away = next_approach(phase, 0.06, limits.astray + 1e-6, 0.01, limits)
+    assert away == (Phase.REACH, limits.far_standoff)
