@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bath_drake.errors import SegmenterError
 from bath_drake.notation import BoolArray, FloatArray
@@ -50,26 +51,28 @@ class OnnxSegmenter:
         self._model = model
         self._session: Any = _session(model)
         inputs = self._session.get_inputs()
-        shape, kind = list(inputs[0].shape), inputs[0].type
-        fits = len(inputs) == 1 and len(shape) == 4 and kind == "tensor(float)"
+        shape = list(inputs[0].shape) if len(inputs) == 1 else []
+        fits = len(shape) == 4 and inputs[0].type == "tensor(float)"
+        fits = fits and (shape[0] == 1 or not isinstance(shape[0], int))
         self._first = fits and shape[1] in (3, 4)  # channels before rows and columns
-        if not fits or not (self._first or shape[3] in (3, 4)):
-            found = ", ".join(f"{one.shape} {one.type}" for one in inputs)
+        sizes = shape[2:] if self._first else shape[1:3]
+        self._size = tuple(s if isinstance(s, int) else OPEN_SIZE for s in sizes)
+        fits = fits and (self._first or shape[3] in (3, 4)) and min(self._size) > 0
+        if not fits:
+            found = ", ".join(f"{one.shape} {one.type}" for one in inputs) or "none"
             raise SegmenterError(
                 f"{model}: found input {found}; allowed one of float, "
                 "(1, c, h, w) or (1, h, w, c) with c 3 or 4"
             )
         self._name = inputs[0].name
         self._channels = int(shape[1] if self._first else shape[3])
-        sizes = shape[2:] if self._first else shape[1:3]
-        self._size = tuple(s if isinstance(s, int) else OPEN_SIZE for s in sizes)
 
     def segment(self, picture: Picture) -> BoolArray:
         """Returns the pixels (H, W) that show skin.
 
         Raises:
-            SegmenterError: If the network gives no mask of its input's size, or
-                something that is not finite.
+            SegmenterError: If the network fails on the picture, gives no mask of its
+                input's size, or something that is not finite.
         """
         config = self._config
         boxed = inside_box(picture.points_W, config.box_low_W, config.box_high_W)
@@ -86,9 +89,19 @@ class OnnxSegmenter:
         if self._first:
             cropped = cropped.transpose(2, 0, 1)
         batch = np.ascontiguousarray(cropped[None], dtype=np.float32)
-        (given, *_) = self._session.run(None, {self._name: batch})
-        found = region.paste(self._probable(np.asarray(given)), boxed.shape) > PROBABLE
+        given = self._run(batch)
+        found = region.paste(self._probable(given), boxed.shape) > PROBABLE
         return found & skin_mask(colour, config) if self._mask == "person" else found
+
+    def _run(self, batch: NDArray[np.float32]) -> FloatArray:
+        try:
+            (given, *_) = self._session.run(None, {self._name: batch})
+        except Exception as error:  # the runtime's own kinds have no common base
+            reason = " ".join(str(error).split())[:120]
+            raise SegmenterError(
+                f"{self._model}: does not run on input {batch.shape}: {reason}"
+            ) from error
+        return np.asarray(given)
 
     def _probable(self, given: FloatArray) -> FloatArray:
         mask = given.squeeze()

@@ -1,6 +1,7 @@
 """All segmenters keep one protocol; networks are checked before they are used."""
 
 import builtins
+import re
 
 import numpy as np
 import pytest
@@ -190,6 +191,80 @@ def test_a_network_of_other_inputs_is_refused_by_file_and_shape(tmp_path, frame)
         OnnxSegmenter(path, frame.config)
     with pytest.raises(SegmenterError, match="missing"):
         OnnxSegmenter(tmp_path / "none.onnx", frame.config)
+
+
+def write_network(path, nodes, taken, given, constants=()):
+    """Any network, as ONNX: names and shapes of floats go in and come out."""
+    onnx = pytest.importorskip("onnx")
+    from onnx import TensorProto, helper
+
+    def floats(values):
+        return [
+            helper.make_tensor_value_info(name, TensorProto.FLOAT, shape)
+            for name, shape in values.items()
+        ]
+
+    made = [
+        helper.make_node(kind, ins, outs, **more) for kind, ins, outs, more in nodes
+    ]
+    graph = helper.make_graph(made, "net", floats(taken), floats(given), constants)
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)])
+    model.ir_version = 8
+    onnx.save(model, str(path))
+
+
+MEAN = ("ReduceMean", ["x"], ["y"], {"axes": [1], "keepdims": 1})
+
+
+@pytest.mark.parametrize("taken", [[2, 3, 32, 32], [1, 3, 0, 0], [3, 32, 32]])
+def test_a_network_of_another_shape_is_refused_when_it_is_loaded(
+    tmp_path, frame, taken
+):
+    pytest.importorskip("onnxruntime")
+    path = tmp_path / "odd.onnx"
+    write_network(path, [MEAN], {"x": taken}, {"y": [taken[0], 1, *taken[2:]]})
+    found = re.escape(f"odd.onnx: found input {taken} tensor(float)")
+    with pytest.raises(SegmenterError, match=found):
+        OnnxSegmenter(path, frame.config)
+
+
+def test_a_network_without_any_input_is_refused(tmp_path, frame):
+    pytest.importorskip("onnxruntime")
+    onnx = pytest.importorskip("onnx")
+    path = tmp_path / "constant.onnx"
+    value = onnx.helper.make_tensor(
+        "c", onnx.TensorProto.FLOAT, [1, 1, 2, 2], [0.0] * 4
+    )
+    constant = ("Constant", [], ["y"], {"value": value})
+    write_network(path, [constant], {}, {"y": [1, 1, 2, 2]})
+    with pytest.raises(SegmenterError, match=r"constant\.onnx: found input none"):
+        OnnxSegmenter(path, frame.config)
+
+
+@pytest.mark.parametrize("batch", [1, "n"])
+def test_open_sizes_are_filled_in(tmp_path, frame, batch):
+    pytest.importorskip("onnxruntime")
+    path = tmp_path / "open.onnx"
+    taken, given = [batch, 3, "h", "w"], [batch, 1, "h", "w"]
+    write_network(path, [MEAN], {"x": taken}, {"y": given})
+    mask = OnnxSegmenter(path, frame.config).segment(picture_of(frame))
+    assert mask.shape == frame.back.shape
+
+
+def test_a_network_that_fails_on_a_picture_is_named(tmp_path, frame):
+    pytest.importorskip("onnxruntime")
+    onnx = pytest.importorskip("onnx")
+    path = tmp_path / "fails.onnx"
+    # Of a fixed size within, though its input is said to be open.
+    size = onnx.helper.make_tensor("s", onnx.TensorProto.INT64, [4], [1, 1, 64, 64])
+    nodes = [
+        ("ReduceMean", ["x"], ["m"], {"axes": [1], "keepdims": 1}),
+        ("Reshape", ["m", "s"], ["y"], {}),
+    ]
+    write_network(path, nodes, {"x": [1, 3, "h", "w"]}, {"y": [1, 1, 64, 64]}, [size])
+    segmenter = OnnxSegmenter(path, frame.config)
+    with pytest.raises(SegmenterError, match=r"fails\.onnx: does not run on input"):
+        segmenter.segment(picture_of(frame))
 
 
 @pytest.mark.parametrize("name", ["classic", "neural", "neural_any_light"])
