@@ -133,7 +133,7 @@ print(f"a circle of radius {cycle.radius:.3f} every {cycle.pitch:.3f} of the way
 
 # %%
 wash = load_scenario("reproduction")
-wash.scene.person = "m_heavy"
+wash.scene.person = "m_avg"
 wash.duration = 14.0
 log = run(build_reproduction(wash, skill), wash)
 evaluation = evaluate(log, wash, skill)
