@@ -39,14 +39,15 @@ def read_bytes(path: str | Path, *, limit: int, error: _Error) -> bytes:
         raise error(f"{str(path)!r} is not a file name: {problem}") from None
 
 
-def read_npz(
-    path: str | Path, *, limit: int, error: _Error
+def read_archive(
+    path: str | Path, *, limit: int, unpacked: int | None = None, error: _Error
 ) -> dict[str, np.ndarray[Any, Any]]:
     """Returns the arrays of an .npz file by name.
 
     Args:
         path: The file.
-        limit: Bytes that it has at most, packed and unpacked.
+        limit: Bytes that it has at most.
+        unpacked: And that its arrays have; None for as many.
         error: What to raise.
 
     Raises:
@@ -56,8 +57,9 @@ def read_npz(
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             size = sum(member.file_size for member in archive.infolist())
-        if size > limit:
-            raise error(f"{path}: unpacks to {size} bytes, allowed {limit}")
+        most = limit if unpacked is None else unpacked
+        if size > most:
+            raise error(f"{path}: unpacks to {size} bytes, allowed: {most}")
         # NumPy warns of headers it has to mend; none that it wrote itself.
         with warnings.catch_warnings(action="error"):
             with np.load(io.BytesIO(data), allow_pickle=False) as arrays:

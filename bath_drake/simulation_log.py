@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bath_drake.errors import RunFolderError
-from bath_drake.files import read_npz, write_atomically
+from bath_drake.files import read_archive, write_atomically
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.safety.hold import HoldReason
 
@@ -109,7 +109,7 @@ class SimulationLog:
     @staticmethod
     def load(path: Path) -> "SimulationLog":
         """Reads a log; raises RunFolderError naming file and key."""
-        archive = read_npz(path, limit=_MAX_BYTES, error=RunFolderError)
+        archive = read_archive(path, limit=_MAX_BYTES, error=RunFolderError)
         names = [f.name for f in fields(SimulationLog)]
         arrays: dict[str, Any] = {k: archive[k] for k in names if k in archive}
         if "canonical_reference" in arrays:

@@ -14,13 +14,22 @@ from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.approach import Phase
 from bath_drake.control.certified_world import (
     CertifiedWorld,
-    WorldVerdict,
     certify_world,
 )
-from bath_drake.field.navigation import NavigationField, min_beta
-from bath_drake.field.parameters import unpack_field
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
+from bath_drake.limit_checks import limit_checks
+from bath_drake.log_figures import (
+    certificate_figures,
+    driven_world,
+    guard_seconds,
+    hold_counts,
+    least,
+    least_beta,
+    mean_max,
+    most,
+    stage_figures,
+)
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
@@ -28,10 +37,8 @@ from bath_drake.patient.washed_skin import tracking_lag, washed_skin
 from bath_drake.patient.wound import signed_polygon_distance, wound_patch
 from bath_drake.perception.frame_delivery import dropped_frames
 from bath_drake.rhythm.washed import washed_cycles
-from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.outcome import LoopOutcome
-from bath_drake.safety.reasons import Reason
-from bath_drake.scenario import Limits, Scenario
+from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.systems._ports import drake_vector
 
@@ -122,21 +129,21 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     metrics: dict[str, Any] = {
         "frechet": _frechet(skill, executed - offsets, path),
         "periodic": washed_cycles(skill.periodic, executed - reference, offsets),
-        "stages": _stages(log, skill),
-        "certificate": _certificate(log, world),
+        "stages": stage_figures(log, skill),
+        "certificate": certificate_figures(log, world),
         "reached_goal": log.outcome == LoopOutcome.GOAL_REACHED.name,
         "outcome": log.outcome,
         "time_to_goal_s": float(log.time[-1]),
         "washing_time_s": float(np.ptp(time)) if len(time) else 0.0,
-        "surface_error_mm": _mean_max(np.abs(surface_error)),
+        "surface_error_mm": mean_max(np.abs(surface_error)),
         "surface_lag_s": tracking_lag(surface_error / 1e3, washed.receded, time),
-        "normal_error_deg": _mean_max(normal_error),
-        "standoff_or_force": _mean_max(distance),
-        "speed_m_per_s": _mean_max(speed),
+        "normal_error_deg": mean_max(normal_error),
+        "standoff_or_force": mean_max(distance),
+        "speed_m_per_s": mean_max(speed),
         "washed_off_the_body": int(np.count_nonzero(~met)),
         "restricted_entries": _entries(clearance),
-        "restricted_min_clearance_mm": _least(clearance),
-        "min_beta": _min_beta(log, washing),
+        "restricted_min_clearance_mm": least(clearance),
+        "min_beta": least_beta(log, washing),
         "coverage": None,
         "frames": int(log.frames),
         "dropped_frames": dropped_frames(
@@ -146,19 +153,15 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
             count=int(log.frames),
         ),
         "rejected_frames": int(log.rejected_frames.max(initial=0.0)),
-        "guard_s": _guarded(log),
-        "holds": {
-            reason.name.lower(): int(count)
-            for reason, count in zip(HoldReason, log.hold_counts, strict=True)
-            if reason is not HoldReason.NONE
-        },
-        "robot_hides_at_most": _most(log.keyframe_reach[:, 1]),
-        "hidden_skin_quality_at_least": _least(log.keyframe_reach[:, 2:].ravel()),
+        "guard_s": guard_seconds(log),
+        "holds": hold_counts(log),
+        "robot_hides_at_most": most(log.keyframe_reach[:, 1]),
+        "hidden_skin_quality_at_least": least(log.keyframe_reach[:, 2:].ravel()),
         "real_time_factor": log.real_time_factor,
         "versions": versions(),
         "seed": scenario.random_seed,
     }
-    checks = _checks(metrics, scenario.limits)
+    checks = limit_checks(metrics, scenario.limits)
     passed = all(check["pass"] for check in checks.values())
     metrics = {"verdict": "pass" if passed else "fail", "checks": checks, **metrics}
     return Evaluation(
@@ -220,56 +223,6 @@ def _frechet(
     }
 
 
-def _stages(log: SimulationLog, skill: Skill) -> dict[str, int]:
-    """How many fields the skill's chain has, and how many the motion came to."""
-    return {"count": len(skill.chain), "reached": int(log.stage.max()) + 1}
-
-
-def driven_world(log: SimulationLog) -> NavigationField:
-    """Returns the field the run ended in, its sensed areas included."""
-    return unpack_field(log.keyframe_world[-1])
-
-
-def _certificate(log: SimulationLog, world: CertifiedWorld) -> dict[str, Any]:
-    """The verdict on the world that was driven in: sensed areas make another one."""
-    areas = np.count_nonzero(log.keyframe_areas[:, 0] == len(log.keyframe_time) - 1)
-    certificate = world.certificate
-    moving = log.hold_reason == HoldReason.NONE
-    unproved = log.certificate_verdict != WorldVerdict.PROVED
-    return {
-        "verdict": certificate.verdict,
-        "reason": certificate.reason,
-        "covers": "all free space" if certificate.region is None else "this start",
-        "world": "skill and sensed areas" if areas else "skill",
-        "sensed_areas": int(areas),
-        "samples_moved_unproved": int(np.count_nonzero(moving & unproved)),
-        "proofs": len(_proof_times(log)),
-        "proof_seconds": _mean_max(_proof_times(log)),
-    }
-
-
-def _proof_times(log: SimulationLog) -> FloatArray:
-    """What each certificate of the run took, s."""
-    known = log.certificate_seconds[log.certificate_verdict != WorldVerdict.UNKNOWN]
-    # No two proofs take the same time to the last bit; one stays until the next.
-    fresh = np.append(True, np.diff(known) != 0.0)[: len(known)]
-    return np.asarray(known[fresh])
-
-
-def _min_beta(log: SimulationLog, washing: IntArray) -> float | None:
-    if not len(washing):
-        return None
-    # Each point in the world that was driven in then.
-    at = np.searchsorted(log.world_time, log.time[washing], side="right") - 1
-    # Virtual obstacles shape the discrete motion; cycles on it may cross them.
-    points = (log.canonical_position - log.canonical_offset)[washing]
-    least = [
-        min_beta(points[at == k], unpack_field(log.worlds[k])).min()
-        for k in np.unique(at)
-    ]
-    return float(min(least))
-
-
 def _clearance(points: FloatArray, outlines: list[FloatArray]) -> FloatArray | None:
     if not outlines:
         return None
@@ -285,75 +238,7 @@ def _entries(clearance: FloatArray | None) -> int:
     return int(np.count_nonzero(inside[1:] & ~inside[:-1]))
 
 
-def _least(values: FloatArray | None) -> float | None:
-    return float(np.min(values)) if values is not None and len(values) else None
-
-
-def _most(values: FloatArray) -> float | None:
-    return float(np.max(values)) if len(values) else None
-
-
-def _guarded(log: SimulationLog) -> dict[str, float]:
-    """For how long the joint guard let nothing pass, s, by its reasons."""
-    step = float(np.median(np.diff(log.time))) if len(log.time) > 1 else 0.0
-    seconds = {
-        reason.name.lower(): round(step * int((log.guard_reason == reason).sum()), 3)
-        for reason in Reason
-        if reason is not Reason.NONE
-    }
-    return {name: time for name, time in seconds.items() if time > 0.0}
-
-
-def _mean_max(values: FloatArray) -> dict[str, float | None]:
-    if not len(values):
-        return {"mean": None, "max": None}
-    return {"mean": float(np.mean(values)), "max": float(np.max(values))}
-
-
 def _speed(time: FloatArray, points: FloatArray) -> FloatArray:
     if len(time) < 2:
         return np.zeros(len(time))
     return np.asarray(np.linalg.norm(np.gradient(points, time, axis=0), axis=1))
-
-
-def _checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str, Any]]:
-    """Compares figures with limits; a figure that is missing has not passed."""
-    bounded = {
-        "frechet_learned": (metrics["frechet"]["learned"], limits.frechet_learned),
-        "frechet_executed": (metrics["frechet"]["executed"], limits.frechet_executed),
-        "surface_error_mean_mm": (
-            metrics["surface_error_mm"]["mean"],
-            limits.surface_error_mean_mm,
-        ),
-        "surface_error_max_mm": (
-            metrics["surface_error_mm"]["max"],
-            limits.surface_error_max_mm,
-        ),
-        "normal_error_mean_deg": (
-            metrics["normal_error_deg"]["mean"],
-            limits.normal_error_mean_deg,
-        ),
-        "restricted_entries": (
-            metrics["restricted_entries"],
-            limits.restricted_entries,
-        ),
-        "washed_off_the_body": (metrics["washed_off_the_body"], 0),
-        "moved_unproved": (metrics["certificate"]["samples_moved_unproved"], 0),
-    }
-    checks: dict[str, dict[str, Any]] = {
-        "reached_goal": {
-            "value": metrics["reached_goal"],
-            "limit": True,
-            "pass": metrics["reached_goal"],
-        },
-        "certificate": {
-            "value": metrics["certificate"]["verdict"],
-            "limit": "proved",
-            "pass": metrics["certificate"]["verdict"] == "proved",
-        },
-    }
-    for name, (value, limit) in bounded.items():
-        if limit is not None:
-            passed = value is not None and bool(value <= limit)
-            checks[name] = {"value": value, "limit": limit, "pass": passed}
-    return checks

@@ -23,7 +23,7 @@ PURE = (
 )
 # A module may import from its own room and from those before it.
 ORDER = (
-    ("errors", "notation", "resources", "doctor"),
+    ("errors", "notation", "resources", "shared", "doctor"),
     ("threads",),
     ("files",),
     ("yaml_io", "yaml_block"),
@@ -47,6 +47,7 @@ ORDER = (
     ("simulation_log",),
     ("simulation",),
     ("carer_recording",),
+    ("limit_checks", "log_figures"),
     ("verification",),
     ("graph_layout",),
     ("block_diagram",),

@@ -12,6 +12,7 @@ from bath_drake.field.navigation import NavigationField, min_beta, psi
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.notation import FloatArray
+from bath_drake.shared import Shared
 
 # Boxes a proof may look at while the robot runs: hundredths of a second. Worlds of
 # twenty obstacles take a third of it.
@@ -28,7 +29,7 @@ class WorldVerdict(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class CertifiedWorld:
+class CertifiedWorld(Shared):
     """A certificate with the world and the start it is about.
 
     Attributes:

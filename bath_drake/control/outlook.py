@@ -13,10 +13,11 @@ from bath_drake.control.world import World, join_areas
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.notation import FloatArray
+from bath_drake.shared import Shared
 
 
 @dataclass(frozen=True, eq=False)
-class Outlook:
+class Outlook(Shared):
     """Areas in force and the worlds that were made for them.
 
     Attributes:

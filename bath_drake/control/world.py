@@ -22,9 +22,9 @@ from bath_drake.notation import FloatArray
 
 # Once the learned path is on average this near to the motion, in N, none is sought.
 NEAR_ENOUGH = 0.05
-# The smaller an area's exponent, the nearer to it the flow first feels it.
 # The least beta_0 of a start or goal that is well within a rim.
 WELL_WITHIN = 0.1
+# The smaller an area's exponent, the nearer to it the flow first feels it.
 _EXPONENTS = (1.0, 0.3)
 _KAPPA_FACTORS = (1.0, 2.0, 4.0)
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bath_drake.errors import ScenarioError
-from bath_drake.files import read_npz
+from bath_drake.files import read_archive
 
 _MAX_BYTES = 64 * 1024 * 1024
 
@@ -17,7 +17,7 @@ def read_arrays(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     Raises:
         ScenarioError: If it is missing, too large or damaged.
     """
-    return read_npz(path, limit=_MAX_BYTES, error=ScenarioError)
+    return read_archive(path, limit=_MAX_BYTES, error=ScenarioError)
 
 
 def take_array(

@@ -17,6 +17,7 @@ from bath_drake.notation import FloatArray
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.ellipses import least_ellipse, level, meet, outline
+from bath_drake.shared import Shared
 
 # A place is in full view if so much of its ellipse is skin that is seen.
 IN_VIEW = 0.5
@@ -39,7 +40,7 @@ class Tentative:
 
 
 @dataclass(frozen=True, eq=False)
-class AreaMemory:
+class AreaMemory(Shared):
     """The areas known, in N.
 
     Attributes:
@@ -57,10 +58,6 @@ class AreaMemory:
         """All areas to keep off; of those that meet, one ellipse around all."""
         rows = [one.ellipse for one in self.tentative]
         return merge_areas(self.confirmed, ObstacleSet(np.reshape(rows, (-1, 5))))
-
-    def __deepcopy__(self, memo: object) -> "AreaMemory":
-        """Returns itself, for it never changes."""
-        return self
 
 
 @dataclass(frozen=True, kw_only=True)

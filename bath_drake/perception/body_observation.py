@@ -7,6 +7,7 @@ import numpy as np
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.completion import BackTemplate
+from bath_drake.shared import Shared
 
 # Seated people change their posture in some such time, s.
 BELIEF_TIME = 5.0
@@ -17,7 +18,7 @@ def _empty(*shape: int) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyObservation:
+class BodyObservation(Shared):
     """What one frame says about the back; nothing but camera and joints went in.
 
     Attributes:
@@ -99,7 +100,3 @@ class BodyObservation:
                 shared = value.view()
                 shared.setflags(write=False)
                 object.__setattr__(self, name, shared)
-
-    def __deepcopy__(self, memo: object) -> "BodyObservation":
-        """Returns itself, for it never changes: a copy has some two megabytes."""
-        return self

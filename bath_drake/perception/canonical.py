@@ -12,6 +12,7 @@ from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.shared import Shared
 
 # Fewer points than this carry no extents worth the name.
 MIN_POINTS = 50
@@ -35,7 +36,7 @@ BINS = 512
 
 
 @dataclass(frozen=True, eq=False)
-class CanonicalMap:
+class CanonicalMap(Shared):
     """The similarity-free map between W and N through the back's plane P.
 
     Attributes:

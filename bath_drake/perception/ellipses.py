@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from numba import njit
 
+from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import FloatArray
 
 # Khachiyan's steps; an unfinished ellipse is larger, never too small.
@@ -65,13 +66,9 @@ def _khachiyan_weights(points: FloatArray, tolerance: float) -> FloatArray:
     return u
 
 
-def outline(ellipse: FloatArray, corners: int = 64) -> FloatArray:
-    """Returns points (corners, 2) on an ellipse (5,)."""
-    x, y, a, b, angle = ellipse
-    turns = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
-    c, s = np.cos(angle), np.sin(angle)
-    circle = np.column_stack([a * np.cos(turns), b * np.sin(turns)])
-    return np.asarray(np.array([x, y]) + circle @ np.array([[c, s], [-s, c]]))
+def outline(ellipse: FloatArray) -> FloatArray:
+    """Returns 64 points (64, 2) on an ellipse (5,)."""
+    return np.asarray(ObstacleSet(ellipse[None]).boundary()[0])
 
 
 def level(ellipse: FloatArray, points: FloatArray) -> FloatArray:

@@ -17,10 +17,11 @@ from bath_drake.perception.map_filter import MapFilter, SmoothMap
 from bath_drake.perception.recalled_skin import RecalledSkin, recall
 from bath_drake.perception.segmentation import UP_W
 from bath_drake.perception.tracked_map import MapTracker, TrackedBody
+from bath_drake.shared import Shared
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedMap:
+class FollowedMap(Shared):
     """What is known after some frames.
 
     Attributes:
@@ -39,10 +40,6 @@ class FollowedMap:
     stamp: float = -math.inf
     recalled: RecalledSkin = field(default_factory=RecalledSkin)
     rim: Workspace | None = None
-
-    def __deepcopy__(self, memo: object) -> "FollowedMap":
-        """Returns itself, for it never changes: a copy has some 300 kilobytes."""
-        return self
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,7 @@ import numpy as np
 
 from bath_drake.errors import SegmenterError
 from bath_drake.notation import BoolArray
-from bath_drake.perception.pixels import inside_box
-from bath_drake.perception.region import region_around
+from bath_drake.perception.region import region_of
 from bath_drake.perception.segmentation import SegmentationConfig, skin_mask
 from bath_drake.perception.segmenter import Picture
 
@@ -54,18 +53,17 @@ class NeuralSegmenter:
 
     def segment(self, picture: Picture) -> BoolArray:
         """Returns the pixels (H, W) of a person, with skin's colour if that counts."""
-        config = self._config
-        boxed = inside_box(picture.points_W, config.box_low_W, config.box_high_W)
-        region = region_around(boxed)
+        shape = picture.camera.shape
+        region = region_of(picture, self._config)
         if region is None:
-            return boxed
+            return np.zeros(shape, dtype=np.bool_)
         colour = picture.colour[..., :3]
         cropped = region.crop(colour, *self._size).astype(np.float32) / 255.0
         self._network.set_tensor(self._input["index"], cropped[None])
         self._network.invoke()
         probable = self._network.get_tensor(self._output["index"])[0, ..., 0]
-        person = region.paste(probable, boxed.shape) > PROBABLE
-        return person & skin_mask(colour, config) if self._with_colour else person
+        person = region.paste(probable, shape) > PROBABLE
+        return person & skin_mask(colour, self._config) if self._with_colour else person
 
 
 def _interpreter(model: Path) -> Any:

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from bath_drake.errors import SegmenterError
 from bath_drake.notation import BoolArray, FloatArray
-from bath_drake.perception.pixels import inside_box
-from bath_drake.perception.region import region_around
+from bath_drake.perception.region import region_of
 from bath_drake.perception.segmentation import SegmentationConfig, skin_mask
 from bath_drake.perception.segmenter import Picture
 
@@ -74,11 +73,10 @@ class OnnxSegmenter:
             SegmenterError: If the network fails on the picture, gives no mask of its
                 input's size, or something that is not finite.
         """
-        config = self._config
-        boxed = inside_box(picture.points_W, config.box_low_W, config.box_high_W)
-        region = region_around(boxed)
+        shape = picture.camera.shape
+        region = region_of(picture, self._config)
         if region is None:
-            return boxed
+            return np.zeros(shape, dtype=np.bool_)
         colour = picture.colour[..., :3]
         planes = colour.astype(np.float32) / 255.0
         if self._channels == 4:
@@ -90,8 +88,10 @@ class OnnxSegmenter:
             cropped = cropped.transpose(2, 0, 1)
         batch = np.ascontiguousarray(cropped[None], dtype=np.float32)
         given = self._run(batch)
-        found = region.paste(self._probable(given), boxed.shape) > PROBABLE
-        return found & skin_mask(colour, config) if self._mask == "person" else found
+        found = region.paste(self._probable(given), shape) > PROBABLE
+        if self._mask == "person":
+            found = found & skin_mask(colour, self._config)
+        return np.asarray(found)
 
     def _run(self, batch: NDArray[np.float32]) -> FloatArray:
         try:

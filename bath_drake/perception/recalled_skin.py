@@ -7,10 +7,11 @@ import numpy as np
 from bath_drake.notation import FloatArray
 from bath_drake.perception.height_field import CELL, CELLS, counted
 from bath_drake.perception.tracked_map import TrackedBody
+from bath_drake.shared import Shared
 
 
 @dataclass(frozen=True, eq=False)
-class RecalledSkin:
+class RecalledSkin(Shared):
     """Points of skin that a frame does not show.
 
     Attributes:
@@ -18,10 +19,6 @@ class RecalledSkin:
     """
 
     points_W: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
-
-    def __deepcopy__(self, memo: object) -> "RecalledSkin":
-        """Returns itself, for it never changes."""
-        return self
 
 
 def recall(body: TrackedBody, points_W: FloatArray) -> RecalledSkin:

@@ -19,10 +19,11 @@ from bath_drake.safety.joint_command import (
 )
 from bath_drake.safety.limits import GuardLimits
 from bath_drake.safety.reasons import Mode, Reason
+from bath_drake.shared import Shared
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CanonicalTick:
+class CanonicalTick(Shared):
     """State of the guard of the canonical velocity, and what it emits.
 
     Attributes:
@@ -74,7 +75,7 @@ def canonical_tick(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class JointTick:
+class JointTick(Shared):
     """State of the guard of the joint command, and what it emits.
 
     Attributes:

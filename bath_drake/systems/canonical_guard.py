@@ -17,8 +17,8 @@ from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.safety.canonical_command import guarded_world
 from bath_drake.safety.guard_ticks import CanonicalTick, canonical_tick
 from bath_drake.safety.limits import GuardLimits, check_limits
-from bath_drake.safety.reasons import Reason
 from bath_drake.systems._guard_facts import FactPorts
+from bath_drake.systems._guard_outputs import declare_guard_outputs
 from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector, set_vector
 
 
@@ -89,16 +89,11 @@ class CanonicalGuard(LeafSystem):
         self._condition = self.DeclareVectorInputPort("condition_number", 1)
         self._facts = FactPorts(self)
         self._state = self.DeclareAbstractState(Value[object](CanonicalTick()))
-        ticket = {self.abstract_state_ticket(self._state)}
-        for name, size, calc in (
-            ("checked_velocity", 2, self._calc_velocity),
-            ("guard_mode", 1, self._calc_mode),
-            ("guard_reason", 1, self._calc_reason),
-            ("present_reason", 1, self._calc_present),
-            ("guard_counts", len(Reason), self._calc_counts),
-            ("limited_count", 1, self._calc_limited),
-        ):
-            self.DeclareVectorOutputPort(name, size, calc, ticket)
+        ticket = self.abstract_state_ticket(self._state)
+        self.DeclareVectorOutputPort(
+            "checked_velocity", 2, self._calc_velocity, {ticket}
+        )
+        declare_guard_outputs(self, self.last_tick, ticket)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._update)
 
     def last_tick(self, context: Any) -> CanonicalTick:
@@ -128,18 +123,3 @@ class CanonicalGuard(LeafSystem):
 
     def _calc_velocity(self, context: Context, output: BasicVector) -> None:
         set_vector(output, self.last_tick(context).velocity)
-
-    def _calc_mode(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).state.mode)])
-
-    def _calc_reason(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).state.reason)])
-
-    def _calc_present(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).state.present)])
-
-    def _calc_counts(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, self.last_tick(context).state.counts)
-
-    def _calc_limited(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).limited)])

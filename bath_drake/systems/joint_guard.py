@@ -18,8 +18,9 @@ from bath_drake.notation import FloatArray
 from bath_drake.safety.guard_ticks import JointTick, joint_tick
 from bath_drake.safety.joint_command import Emitted, JointRange, condition_number
 from bath_drake.safety.limits import GuardLimits, check_limits
-from bath_drake.safety.reasons import Mode, Reason
+from bath_drake.safety.reasons import Mode
 from bath_drake.systems._guard_facts import FactPorts
+from bath_drake.systems._guard_outputs import declare_guard_outputs
 from bath_drake.systems._ports import drake_vector, eval_vector, set_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
@@ -98,18 +99,14 @@ class JointGuard(LeafSystem):
         self._facts = FactPorts(self)
         start = JointTick(emitted=Emitted.at_rest(home))
         self._state = self.DeclareAbstractState(Value[object](start))
-        ticket = {self.abstract_state_ticket(self._state)}
+        ticket = self.abstract_state_ticket(self._state)
         for name, size, calc in (
             ("checked_command", 14, self._calc_command),
             ("hold", 1, self._calc_hold),
             ("condition_number", 1, self._calc_condition),
-            ("guard_mode", 1, self._calc_mode),
-            ("guard_reason", 1, self._calc_reason),
-            ("present_reason", 1, self._calc_present),
-            ("guard_counts", len(Reason), self._calc_counts),
-            ("limited_count", 1, self._calc_limited),
         ):
-            self.DeclareVectorOutputPort(name, size, calc, ticket)
+            self.DeclareVectorOutputPort(name, size, calc, {ticket})
+        declare_guard_outputs(self, self.last_tick, ticket)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             limits.loop.period, offset, self._update
         )
@@ -181,18 +178,3 @@ class JointGuard(LeafSystem):
     def _calc_condition(self, context: Context, output: BasicVector) -> None:
         _, jacobian_E = self._jacobians(self.last_tick(context).emitted.q)
         set_vector(output, [condition_number(jacobian_E)])
-
-    def _calc_mode(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).state.mode)])
-
-    def _calc_reason(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).state.reason)])
-
-    def _calc_present(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).state.present)])
-
-    def _calc_counts(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, self.last_tick(context).state.counts)
-
-    def _calc_limited(self, context: Context, output: BasicVector) -> None:
-        set_vector(output, [float(self.last_tick(context).limited)])

@@ -1,10 +1,7 @@
 """Tables of any program: CSV with columns of other names, NPZ with arrays."""
 
 import csv
-import io
 import math
-import warnings
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -22,7 +19,7 @@ from bath_drake.demonstrations.importing.source import (
 )
 from bath_drake.demonstrations.recording import csv_text
 from bath_drake.errors import DemonstrationError
-from bath_drake.files import read_bytes
+from bath_drake.files import read_archive, read_bytes
 from bath_drake.notation import FloatArray
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -145,34 +142,14 @@ def _number(path: Path, place: str, cell: str) -> float:
 
 
 def _arrays(path: Path, options: ImportOptions) -> dict[str, FloatArray]:
-    data = read_bytes(path, limit=MAX_BYTES, error=DemonstrationError)
-    try:
-        # NumPy warns of headers it has to mend; none that it wrote itself.
-        with warnings.catch_warnings(action="error"):
-            arrays = _unpacked(path, data)
-    except DemonstrationError:
-        raise
-    # Whatever it is (zlib's errors, those of zip files, too little memory), the file
-    # made the libraries raise it.
-    except Exception as problem:
-        told = (str(problem) or type(problem).__name__).splitlines()[0]
-        raise DemonstrationError(f"{path}: not a readable .npz ({told})") from None
+    found = read_archive(
+        path, limit=MAX_BYTES, unpacked=MAX_UNPACKED_BYTES, error=DemonstrationError
+    )
+    arrays = {
+        name: array.astype(np.float64)
+        for name, array in found.items()
+        if array.dtype.kind in "fiu"
+    }
     if not arrays:
         raise DemonstrationError(f"{path}: found no arrays of numbers")
     return arrays
-
-
-def _unpacked(path: Path, data: bytes) -> dict[str, FloatArray]:
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        unpacked = sum(entry.file_size for entry in archive.infolist())
-    if unpacked > MAX_UNPACKED_BYTES:
-        raise DemonstrationError(
-            f"{path}: unpacks to {unpacked} bytes, allowed: {MAX_UNPACKED_BYTES}"
-        )
-    with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-        arrays = {name: archive[name] for name in archive.files}
-    return {
-        name: array.astype(np.float64)
-        for name, array in arrays.items()
-        if array.dtype.kind in "fiu"
-    }

@@ -1,0 +1,56 @@
+"""A run's figures against the scenario's limits: the verdict."""
+
+from typing import Any
+
+from bath_drake.scenario import Limits
+
+
+def limit_checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str, Any]]:
+    """Compares figures with limits; a figure that is missing has not passed.
+
+    Args:
+        metrics: The content of metrics.json but for the verdict.
+        limits: Of the scenario; None asks for the figure alone.
+
+    Returns:
+        By name: `value`, `limit` and whether it did `pass`.
+    """
+    bounded = {
+        "frechet_learned": (metrics["frechet"]["learned"], limits.frechet_learned),
+        "frechet_executed": (metrics["frechet"]["executed"], limits.frechet_executed),
+        "surface_error_mean_mm": (
+            metrics["surface_error_mm"]["mean"],
+            limits.surface_error_mean_mm,
+        ),
+        "surface_error_max_mm": (
+            metrics["surface_error_mm"]["max"],
+            limits.surface_error_max_mm,
+        ),
+        "normal_error_mean_deg": (
+            metrics["normal_error_deg"]["mean"],
+            limits.normal_error_mean_deg,
+        ),
+        "restricted_entries": (
+            metrics["restricted_entries"],
+            limits.restricted_entries,
+        ),
+        "washed_off_the_body": (metrics["washed_off_the_body"], 0),
+        "moved_unproved": (metrics["certificate"]["samples_moved_unproved"], 0),
+    }
+    checks: dict[str, dict[str, Any]] = {
+        "reached_goal": {
+            "value": metrics["reached_goal"],
+            "limit": True,
+            "pass": metrics["reached_goal"],
+        },
+        "certificate": {
+            "value": metrics["certificate"]["verdict"],
+            "limit": "proved",
+            "pass": metrics["certificate"]["verdict"] == "proved",
+        },
+    }
+    for name, (value, limit) in bounded.items():
+        if limit is not None:
+            passed = value is not None and bool(value <= limit)
+            checks[name] = {"value": value, "limit": limit, "pass": passed}
+    return checks

@@ -1,0 +1,102 @@
+"""Figures of a run that its log alone tells, no truth: fields, proofs, holds."""
+
+from typing import Any
+
+import numpy as np
+
+from bath_drake.control.certified_world import CertifiedWorld, WorldVerdict
+from bath_drake.field.navigation import NavigationField, min_beta
+from bath_drake.field.parameters import unpack_field
+from bath_drake.learning.skill import Skill
+from bath_drake.notation import FloatArray, IntArray
+from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Reason
+from bath_drake.simulation_log import SimulationLog
+
+
+def stage_figures(log: SimulationLog, skill: Skill) -> dict[str, int]:
+    """How many fields the skill's chain has, and how many the motion came to."""
+    return {"count": len(skill.chain), "reached": int(log.stage.max()) + 1}
+
+
+def driven_world(log: SimulationLog) -> NavigationField:
+    """Returns the field the run ended in, its sensed areas included."""
+    return unpack_field(log.keyframe_world[-1])
+
+
+def certificate_figures(log: SimulationLog, world: CertifiedWorld) -> dict[str, Any]:
+    """The verdict on the world that was driven in: sensed areas make another one."""
+    areas = np.count_nonzero(log.keyframe_areas[:, 0] == len(log.keyframe_time) - 1)
+    certificate = world.certificate
+    moving = log.hold_reason == HoldReason.NONE
+    unproved = log.certificate_verdict != WorldVerdict.PROVED
+    return {
+        "verdict": certificate.verdict,
+        "reason": certificate.reason,
+        "covers": "all free space" if certificate.region is None else "this start",
+        "world": "skill and sensed areas" if areas else "skill",
+        "sensed_areas": int(areas),
+        "samples_moved_unproved": int(np.count_nonzero(moving & unproved)),
+        "proofs": len(_proof_times(log)),
+        "proof_seconds": mean_max(_proof_times(log)),
+    }
+
+
+def _proof_times(log: SimulationLog) -> FloatArray:
+    """What each certificate of the run took, s."""
+    known = log.certificate_seconds[log.certificate_verdict != WorldVerdict.UNKNOWN]
+    # No two proofs take the same time to the last bit; one stays until the next.
+    fresh = np.append(True, np.diff(known) != 0.0)[: len(known)]
+    return np.asarray(known[fresh])
+
+
+def least_beta(log: SimulationLog, washing: IntArray) -> float | None:
+    """The least beta of all that was met at samples (n,) of the log; None of none."""
+    if not len(washing):
+        return None
+    # Each point in the world that was driven in then.
+    at = np.searchsorted(log.world_time, log.time[washing], side="right") - 1
+    # Virtual obstacles shape the discrete motion; cycles on it may cross them.
+    points = (log.canonical_position - log.canonical_offset)[washing]
+    least = [
+        min_beta(points[at == k], unpack_field(log.worlds[k])).min()
+        for k in np.unique(at)
+    ]
+    return float(min(least))
+
+
+def guard_seconds(log: SimulationLog) -> dict[str, float]:
+    """For how long the joint guard let nothing pass, s, by its reasons."""
+    step = float(np.median(np.diff(log.time))) if len(log.time) > 1 else 0.0
+    seconds = {
+        reason.name.lower(): round(step * int((log.guard_reason == reason).sum()), 3)
+        for reason in Reason
+        if reason is not Reason.NONE
+    }
+    return {name: time for name, time in seconds.items() if time > 0.0}
+
+
+def hold_counts(log: SimulationLog) -> dict[str, int]:
+    """How often the loop began to hold, by its reasons."""
+    return {
+        reason.name.lower(): int(count)
+        for reason, count in zip(HoldReason, log.hold_counts, strict=True)
+        if reason is not HoldReason.NONE
+    }
+
+
+def least(values: FloatArray | None) -> float | None:
+    """Returns the least of values (n,); None of none."""
+    return float(np.min(values)) if values is not None and len(values) else None
+
+
+def most(values: FloatArray) -> float | None:
+    """Returns the greatest of values (n,); None of none."""
+    return float(np.max(values)) if len(values) else None
+
+
+def mean_max(values: FloatArray) -> dict[str, float | None]:
+    """Returns mean and greatest of values (n,), each None of none."""
+    if not len(values):
+        return {"mean": None, "max": None}
+    return {"mean": float(np.mean(values)), "max": float(np.max(values))}
