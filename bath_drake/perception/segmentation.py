@@ -252,7 +252,10 @@ def _trimmed(
     torso = torso & np.isfinite(points_W[..., 0])
     if int(torso.sum()) < STRIDE * MIN_POINTS:
         return np.zeros_like(torso)
-    if expected is not None:
+    # A back that the robot hides in part has the axes of the frame before; a whole one
+    # has its own, however far it has moved since.
+    hidden = (morphology.dilate(torso, ROBOT_RIM) & robot_mask).any()
+    if expected is not None and hidden:
         R_WP, span = expected.R_WP, expected.span
     else:
         # Normals are on the camera's side: so is the point their mean leads to.
