@@ -46,12 +46,10 @@ class AreaMemory(Shared):
     Attributes:
         confirmed: Those that stay.
         tentative: Those that few frames have shown.
-        forgotten: How many of the latter have been forgotten.
     """
 
     confirmed: ObstacleSet = field(default_factory=ObstacleSet)
     tentative: tuple[Tentative, ...] = ()
-    forgotten: int = 0
 
     @property
     def areas(self) -> ObstacleSet:
@@ -110,15 +108,12 @@ class AreaKeeper:
                 confirmed = merge_areas(confirmed, grown)
             else:
                 tentative.append(Tentative(grown.theta[0], frames))
-        forgotten = 0
         for one in left:
             doubted = min(one.doubted, stamp) if in_view(one.ellipse) else math.inf
             # Stamps in steps of a camera's period accumulate rounding.
-            if stamp - doubted >= self.forget_time - 1e-9:
-                forgotten += 1
-            else:
+            if stamp - doubted < self.forget_time - 1e-9:
                 tentative.append(replace(one, doubted=doubted))
-        return AreaMemory(confirmed, tuple(tentative), memory.forgotten + forgotten)
+        return AreaMemory(confirmed, tuple(tentative))
 
 
 def seen_in_full(

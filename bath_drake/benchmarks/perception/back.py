@@ -22,6 +22,7 @@ from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.body_observation import BodyObservation
+from bath_drake.perception.body_rim import share_within
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, FollowedMap, frame_map
 from bath_drake.perception.pixels import points_in_world
@@ -56,6 +57,7 @@ class Measured:
         coordinates: (f, n, 2) canonical ones of the same places of skin, by the way
             the map is found.
         follow_seconds: From an observation to the tracked map.
+        within_rim: The share of the seen back that is within its rim, a frame.
         normal_deg: Errors of fitted normals, degrees.
         height_mm: Errors of fitted points along the normal, mm.
         seconds: From a frame to the observation.
@@ -68,6 +70,7 @@ class Measured:
         default_factory=lambda: {name: [] for name in MAP_FOLLOWERS}
     )
     follow_seconds: list[float] = field(default_factory=list)
+    within_rim: list[float] = field(default_factory=list)
     normal_deg: list[float] = field(default_factory=list)
     height_mm: list[float] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
@@ -122,6 +125,11 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
         if k % 5:
             continue
         seen = frame_map(previous)
+        rim = known["tracked"].rim
+        if rim is not None:
+            p_N = seen.canonical_from_world(previous.points_W)
+            within = share_within(rim, p_N, previous.point_areas)
+            found.within_rim.append(within)
         found.segment_seconds.append(_segment_seconds(film, frame))
         normals, heights, seconds = _surface(previous, seen, frame)
         found.normal_deg.extend(normals)
@@ -221,6 +229,8 @@ def _figures(measured: dict[tuple[str, str], Measured]) -> list[Figure]:
             Figure(f"canonical_rms_{motion}", worst["tracked"], "", target),
             Figure(f"canonical_rms_{motion}_affine", worst["affine"], ""),
         ]
+    within = [share for m in everything for share in m.within_rim]
+    figures.append(Figure("share_within_rim_least", min(within, default=0.0), ""))
     bent = bending_skin(load_person(shipped_people()[0]))
     figures += [
         Figure(
