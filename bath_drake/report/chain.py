@@ -7,7 +7,7 @@ from bath_drake.report import style
 
 _BOX_WIDTH, _BOX_HEIGHT, _GAP = 132, 58, 24
 _TOP, _MIDDLE, _BOTTOM = 8, 112, 222
-_COLUMNS = 7
+_COLUMNS = 8
 _WIDTH = _COLUMNS * _BOX_WIDTH + (_COLUMNS - 1) * _GAP + 20
 _HEIGHT = 316
 
@@ -26,6 +26,7 @@ class ChainFigures:
     proof: str
     surface: str
     ik: str
+    guard: str
     arm: str
     tracker: str
 
@@ -41,7 +42,8 @@ def draw_chain(figures: ChainFigures) -> str:
         (3, _MIDDLE, "Controller", "navigation function", figures.controller),
         (4, _MIDDLE, "Surface reference", "point and normal", figures.surface),
         (5, _MIDDLE, "Differential IK", "joint motion", figures.ik),
-        (6, _MIDDLE, "Arm and nozzle", "Drake plant", figures.arm),
+        (6, _MIDDLE, "Guard", "checks each command", figures.guard),
+        (7, _MIDDLE, "Arm and nozzle", "Drake plant", figures.arm),
         (3, _TOP, "Virtual obstacles", "the learned skill", figures.obstacles),
         (2, _TOP, "Restricted areas", "seen by colour", figures.areas),
         (4, _TOP, "Certificate", "proof of the world", figures.proof),
@@ -69,23 +71,23 @@ def draw_chain(figures: ChainFigures) -> str:
     elbow = column[2] + _BOX_WIDTH
     x = column[3] + 24
     parts.append(_line(f"M{elbow} {top}H{elbow + 13}V{_MIDDLE - 14}H{x}V{_MIDDLE - 2}"))
-    # The world of both is proved, or the arm holds.
+    # The world of both is proved, or the guard holds.
     parts.append(_line(f"M{column[3] + _BOX_WIDTH} {top}H{column[4] - 2}"))
-    x = column[5] + _BOX_WIDTH / 2
+    x = column[6] + _BOX_WIDTH / 2
     parts.append(_line(f"M{column[4] + _BOX_WIDTH} {top}H{x}V{_MIDDLE - 2}"))
     parts.append(
         f'<text x="{x + 8}" y="{top + 22}" class="note">holds unless proved</text>'
     )
     # Measured nozzle pose -> tracker -> controller closes the loop.
     low = _BOTTOM + _BOX_HEIGHT / 2
-    x = column[6] + _BOX_WIDTH / 2 + 20
+    x = column[7] + _BOX_WIDTH / 2 + 20
     start_y = _MIDDLE + _BOX_HEIGHT + 22
     end = column[4] + _BOX_WIDTH + 2
     parts.append(_line(f"M{x} {start_y}V{low}H{end}", back=True))
     x = column[3] + _BOX_WIDTH / 2
     parts.append(_line(f"M{column[4]} {low}H{x}V{start_y - 0}", back=True))
     # The camera sees what the arm did.
-    x = column[6] + _BOX_WIDTH / 2 + 42
+    x = column[7] + _BOX_WIDTH / 2 + 42
     floor = _HEIGHT - 6
     end_x = column[0] + _BOX_WIDTH / 2
     parts.append(_line(f"M{x} {start_y}V{floor}H{end_x}V{start_y}", dashed=True))

@@ -300,7 +300,8 @@ def _chain_figures(run: RunData) -> ChainFigures:
     shape = f"κ {number(chain.fields[0].kappa)}"
     if len(chain) > 1:
         shape = f"{len(chain)} fields"
-    held = int(sum(m["holds"].values()))
+    stuck = m["holds"]["no_joint_solution"]
+    held = sum(m["guard_s"].values())
     periodic = m.get("periodic")
     beta = f"min β {number(m.get('min_beta'))}"
     if periodic:
@@ -315,7 +316,8 @@ def _chain_figures(run: RunData) -> ChainFigures:
         areas=f"{sensed} found",
         proof=str(m["certificate"]["verdict"]),
         surface=f"normal {number(m.get('normal_error_deg', {}).get('mean'))}° off",
-        ik=f"{held} hold{'s' if held != 1 else ''}",
+        ik=f"{stuck} times stuck",
+        guard=f"{number(held)} s not passed",
         arm=f"{number(m.get('surface_error_mm', {}).get('mean'))} mm off",
         tracker=f"{number(_lag(run))} mm behind",
     )
