@@ -11,18 +11,22 @@ from bath_drake.learning.skill import Skill
 from bath_drake.safety.limits import GuardLimits, load_limits
 from bath_drake.scenario import Scenario, approach_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
+from bath_drake.scene.arm_collisions import ArmCollisions
 from bath_drake.systems.approach_sequencer import ApproachSequencer
+from bath_drake.systems.arm_link import ArmLink
 from bath_drake.systems.canonical_guard import CanonicalGuard
 from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker
 from bath_drake.systems.certificate_monitor import CertificateMonitor
 from bath_drake.systems.differential_ik import DifferentialIk
+from bath_drake.systems.force_sensor import ForceSensor
 from bath_drake.systems.hold_supervisor import HoldSupervisor
 from bath_drake.systems.joint_guard import JointGuard
 from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
 from bath_drake.systems.nozzle_kinematics import NozzleKinematics
 from bath_drake.systems.periodic_motion import PeriodicMotion
+from bath_drake.systems.self_distance import SelfDistance
 from bath_drake.systems.stage_sequencer import StageSequencer
 from bath_drake.systems.surface_reference import SurfaceReference
 from bath_drake.systems.surface_velocity import SurfaceVelocity
@@ -75,6 +79,11 @@ def add_control(
             ),
             "canonical_guard": CanonicalGuard(limits=limits),
             "joint_guard": _joint_guard(arm, scenario, limits),
+            "arm_link": ArmLink(),
+            "self_distance": SelfDistance(links=ArmCollisions(scenario.scene.arm)),
+            "force_sensor": ForceSensor(
+                seed=scenario.random_seed, period=limits.loop.period
+            ),
             "nozzle_kinematics": NozzleKinematics(plant=arm),
             "canonical_tracker": CanonicalTracker(),
             "hold_supervisor": HoldSupervisor(max_frame_age=control.max_frame_age),
@@ -126,6 +135,11 @@ def add_control(
         (surface, "surface_normal", [guard]),
         (proof, "world_status", [guard, systems["canonical_guard"]]),
         (guard, "condition_number", [systems["canonical_guard"]]),
+        (ik, "joint_command", [systems["self_distance"]]),
+        (systems["self_distance"], "self_distance", [guard]),
+        (systems["arm_link"], "robot_stamp", [guard]),
+        (systems["arm_link"], "loop_seconds", [guard]),
+        (systems["force_sensor"], "wrench", [guard]),
         (controller, "canonical_velocity", [systems["canonical_guard"]]),
     ):
         connect(builder, source, port, sinks)

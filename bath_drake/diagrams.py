@@ -17,6 +17,7 @@ from pydrake.systems.primitives import (
 )
 
 from bath_drake.control_diagram import add_control
+from bath_drake.fault_diagram import add_faults
 from bath_drake.learning.skill import Skill
 from bath_drake.perception_diagram import add_perception, export_perception
 from bath_drake.scenario import Scenario
@@ -45,7 +46,9 @@ LOGGED_PORTS = (
     ("approach_sequencer", "phase"),
     ("approach_sequencer", "standoff"),
     ("hold_supervisor", "hold_reason"),
+    ("joint_guard", "guard_mode"),
     ("joint_guard", "guard_reason"),
+    ("joint_guard", "checked_command"),
     ("canonical_projector", "rejected_frames"),
     ("certificate_monitor", "certificate_verdict"),
     ("certificate_monitor", "certificate_seconds"),
@@ -110,12 +113,13 @@ def build_reproduction(
     """
     builder = DiagramBuilder()
     scene, camera = _add_studio(builder, scenario)
-    perception = _add_perception(builder, scenario, scene, camera)
+    perception = _add_perception(builder, scenario, scene, camera, watched=True)
     control = add_control(builder, scenario, skill)
     _close_loop(
         builder, scene, perception, control, body_rim=scenario.perception.body_rim
     )
     _add_logs(builder, scene, {**perception, **control})
+    add_faults(builder, scenario.faults, period=1.0 / scenario.perception.camera_rate)
     if write_frame is not None:
         add_frame_recorder(
             builder,
@@ -168,7 +172,12 @@ def _add_skin_view(builder: DiagramBuilder, scene: Scene, meshcat: Meshcat) -> N
 
 
 def _add_perception(
-    builder: DiagramBuilder, scenario: Scenario, scene: Scene, camera: CameraPorts
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    scene: Scene,
+    camera: CameraPorts,
+    *,
+    watched: bool = False,
 ) -> dict[str, Any]:
     period = 1.0 / scenario.perception.camera_rate
     systems = add_perception(
@@ -178,6 +187,7 @@ def _add_perception(
         X_WC=scene.X_WC,
         robot=ArmGeometry(scenario.scene.arm),
         period=period,
+        watched=watched,
     )
     split = builder.AddNamedSystem("arm_position", Demultiplexer([7, 7]))
     builder.Connect(
@@ -201,6 +211,11 @@ def _add_perception(
     ):
         if port is not None:
             builder.Connect(port, segmenter.GetInputPort(name))
+    if watched:
+        for port, name in ((come.depth, "depth_image"), (come.stamp, "frame_stamp")):
+            if port is not None:
+                builder.Connect(port, systems["frame_monitor"].GetInputPort(name))
+        builder.Connect(come.depth, systems["body_monitor"].GetInputPort("depth_image"))
     return systems
 
 
@@ -249,6 +264,9 @@ def _close_loop(
         "recalled_skin",
         [surface, control["surface_velocity"]],
     )
+    guards = [control[name] for name in ("canonical_guard", "joint_guard")]
+    connect(builder, perception["frame_monitor"], "frame_status", guards)
+    connect(builder, perception["body_monitor"], "body_status", guards)
     if body_rim:
         connect(
             builder,
@@ -266,10 +284,11 @@ def _close_loop(
         control["joint_guard"].GetOutputPort("checked_command"),
         scene.plant.get_desired_state_input_port(scene.arm),
     )
-    builder.Connect(
-        scene.plant.get_state_output_port(scene.arm),
-        control["nozzle_kinematics"].GetInputPort("arm_state"),
-    )
+    for name in ("nozzle_kinematics", "arm_link"):
+        builder.Connect(
+            scene.plant.get_state_output_port(scene.arm),
+            control[name].GetInputPort("arm_state"),
+        )
 
 
 def _add_logs(builder: DiagramBuilder, scene: Scene, systems: dict[str, Any]) -> None:

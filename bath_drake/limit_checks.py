@@ -2,7 +2,27 @@
 
 from typing import Any
 
+from bath_drake.faults.expectation import Expectation, reaction_checks
 from bath_drake.scenario import Limits
+
+
+def fault_checks(
+    metrics: dict[str, Any], expected: Expectation
+) -> dict[str, dict[str, Any]]:
+    """Compares the guard's reaction with what was expected; and nothing was entered.
+
+    Args:
+        metrics: The content of metrics.json but for the verdict.
+        expected: Of the scenario.
+
+    Returns:
+        By name: `value`, `limit` and whether it did `pass`.
+    """
+    entries = metrics["restricted_entries"]
+    return {
+        **reaction_checks(expected, metrics["reaction"]),
+        "restricted_entries": {"value": entries, "limit": 0, "pass": entries == 0},
+    }
 
 
 def limit_checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str, Any]]:

@@ -13,8 +13,10 @@ from bath_drake.perception.segmenter import ClassicSegmenter, Segmenter
 from bath_drake.perception.self_filter import RobotGeometry
 from bath_drake.resources import models_folder
 from bath_drake.scenario import Scenario, map_follower, segmentation
+from bath_drake.systems.body_monitor import BodyMonitor
 from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
+from bath_drake.systems.frame_monitor import FrameMonitor
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 from bath_drake.wiring import add_all, connect
 
@@ -27,8 +29,9 @@ def add_perception(
     X_WC: RigidTransform,
     robot: RobotGeometry | None,
     period: float,
+    watched: bool = False,
 ) -> dict[str, Any]:
-    """Adds the systems and joins them; the segmenter's inputs are left open.
+    """Adds the systems and joins them; the inputs for images are left open.
 
     Args:
         builder: Gets them.
@@ -37,6 +40,7 @@ def add_perception(
         X_WC: Where it stands.
         robot: What may hide the back; None where there is no robot.
         period: Between looks, s.
+        watched: Whether a guard wants to know of frames and bodies.
 
     Returns:
         The systems by name.
@@ -62,6 +66,28 @@ def add_perception(
             ),
         },
     )
+    if watched:
+        systems |= add_all(
+            builder,
+            {
+                "frame_monitor": FrameMonitor(
+                    camera=camera,
+                    period=period,
+                    sees_frozen=scenario.scene.camera.noise != "none",
+                ),
+                "body_monitor": BodyMonitor(
+                    camera=camera,
+                    X_WC=X_WC,
+                    low_W=segmentation(scenario).box_low_W,
+                    high_W=segmentation(scenario).box_high_W,
+                    period=period,
+                ),
+            },
+        )
+        monitor = systems["body_monitor"]
+        connect(builder, systems["body_segmenter"], "body_observation", [monitor])
+        for port in ("canonical_map", "map_status"):
+            connect(builder, systems["canonical_projector"], port, [monitor])
     projector = systems["canonical_projector"]
     detector = systems["restricted_area_detector"]
     connect(

@@ -8,6 +8,8 @@ import numpy as np
 
 from bath_drake.control.approach import ApproachLimits
 from bath_drake.errors import ScenarioError
+from bath_drake.faults.expectation import Expectation, check_expectation
+from bath_drake.faults.script import FaultScript, check_script
 from bath_drake.perception.given_areas import check_polygon
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, MapFollower
 from bath_drake.perception.onnx_segmenter import MASKS
@@ -86,6 +88,9 @@ class Scenario:
     perception: PerceptionConfig = field(default_factory=PerceptionConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
     limits: Limits = field(default_factory=Limits)
+    faults: FaultScript = field(default_factory=FaultScript)
+    # Judges the run by the guard's reaction alone; null: by the limits.
+    expect: Expectation | None = None
 
 
 SEGMENTERS = ("classic", "neural", "neural_any_light")
@@ -148,6 +153,15 @@ def check_scenario(scenario: Scenario) -> None:
     for key, value in vars(scenario.limits).items():
         if value is not None and not value >= 0:
             raise ValueError(f"limits.{key}: found {value}, allowed 0 and up, or null")
+    try:
+        check_script(scenario.faults)
+    except ValueError as error:
+        raise ValueError(f"faults.{error}") from error
+    if scenario.expect is not None:
+        try:
+            check_expectation(scenario.expect)
+        except ValueError as error:
+            raise ValueError(f"expect.{error}") from error
     try:
         check_scene(scenario.scene)
     except ValueError as error:
@@ -214,7 +228,8 @@ def find_scenario(name: str | Path) -> Path:
         return path
     shipped = diagrams_folder()
     for candidate in (shipped / path, shipped / f"{path}.yaml"):
-        if path.name == str(name) and candidate.is_file():
+        within = not path.is_absolute() and ".." not in path.parts
+        if within and candidate.is_file():
             return candidate
     names = ", ".join(sorted(p.name for p in shipped.glob("*.yaml")))
     raise ScenarioError(f"{name}: no such scenario; shipped ones: {names}")

@@ -29,7 +29,8 @@ def fill(schema: type[T], block: Block) -> T:
     """Returns an instance of `schema` with the block's values in place of defaults.
 
     Fields may be bool, int, float, str, lists of those, lists of lists of floats or of
-    such lists, other such dataclasses, and any of them or None (`X | None`). A schema
+    such lists, other such dataclasses, lists of them, and any of these or None
+    (`X | None`). A schema
     with a method `complete` (see `Completed`) says itself what follows from the values
     given.
 
@@ -70,6 +71,8 @@ def _take(block: Block, key: str, kind: Any) -> Any:
         return block.take_matrices(key)
     if get_origin(kind) is list and get_origin(get_args(kind)[0]) is list:
         return block.take_rows(key, None, None)
+    if get_origin(kind) is list and is_dataclass(get_args(kind)[0]):
+        return [fill(get_args(kind)[0], inner) for inner in block.take_blocks(key)]
     if get_origin(kind) is list:
         return block.take_list(key, get_args(kind)[0])
     if kind in (bool, int, float, str):

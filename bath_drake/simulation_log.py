@@ -28,8 +28,11 @@ class SimulationLog:
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
         hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
-        guard_reason: (T,) a `bath_drake.safety.reasons.Reason` each, of the joint
-            guard; zero in older logs.
+        guard_mode: (T,) a `bath_drake.safety.reasons.Mode` each, of the joint guard;
+            zero in older logs.
+        guard_reason: (T,) a `bath_drake.safety.reasons.Reason` each, likewise.
+        checked_command: (T, 14) what the joint guard emitted, rad and rad/s; in older
+            logs what it was told.
         rejected_frames: (T,) how many frames showed a map that no body can have come
             to; zero in older logs.
         certificate_verdict: (T,) a `bath_drake.control.certified_world.WorldVerdict`
@@ -70,7 +73,9 @@ class SimulationLog:
     phase: FloatArray
     standoff: FloatArray
     hold_reason: FloatArray
+    guard_mode: FloatArray
     guard_reason: FloatArray
+    checked_command: FloatArray
     rejected_frames: FloatArray
     certificate_verdict: FloatArray
     certificate_seconds: FloatArray
@@ -117,7 +122,10 @@ class SimulationLog:
             none = np.zeros_like(arrays["canonical_reference"])
             arrays.setdefault("canonical_offset", none)
             arrays.setdefault("rejected_frames", np.zeros(len(none)))
+            arrays.setdefault("guard_mode", np.zeros(len(none)))
             arrays.setdefault("guard_reason", np.zeros(len(none)))
+        if "joint_command" in arrays:
+            arrays.setdefault("checked_command", arrays["joint_command"])
         counts = arrays.get("hold_counts")
         if counts is not None and counts.ndim == 1 and len(counts) < len(HoldReason):
             # And those from before fewer reasons to hold.

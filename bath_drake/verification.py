@@ -16,9 +16,11 @@ from bath_drake.control.certified_world import (
     CertifiedWorld,
     certify_world,
 )
+from bath_drake.faults.expectation import judge_reaction
+from bath_drake.faults.touch import area_touches
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
-from bath_drake.limit_checks import limit_checks
+from bath_drake.limit_checks import fault_checks, limit_checks
 from bath_drake.log_figures import (
     certificate_figures,
     driven_world,
@@ -126,6 +128,9 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     normal_error = np.degrees(np.arccos(cosine))
     speed = _speed(time[met], hits)
     world = certify_world(driven_world(log), log.certified_start[-1])
+    touched, made_up_entries = area_touches(
+        scenario.faults.areas, log.time, log.canonical_position
+    )
     metrics: dict[str, Any] = {
         "frechet": _frechet(skill, executed - offsets, path),
         "periodic": washed_cycles(skill.periodic, executed - reference, offsets),
@@ -141,7 +146,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "standoff_or_force": mean_max(distance),
         "speed_m_per_s": mean_max(speed),
         "washed_off_the_body": int(np.count_nonzero(~met)),
-        "restricted_entries": _entries(clearance),
+        "restricted_entries": _entries(clearance) + made_up_entries,
         "restricted_min_clearance_mm": least(clearance),
         "min_beta": least_beta(log, washing),
         "coverage": None,
@@ -161,7 +166,19 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "versions": versions(),
         "seed": scenario.random_seed,
     }
-    checks = limit_checks(metrics, scenario.limits)
+    if scenario.expect is None:
+        checks = limit_checks(metrics, scenario.limits)
+    else:
+        begins = scenario.expect.begins
+        metrics["reaction"] = judge_reaction(
+            scenario.expect,
+            touched if begins is None else begins,
+            time=log.time,
+            mode=log.guard_mode,
+            reason=log.guard_reason,
+            emitted=log.checked_command,
+        )
+        checks = fault_checks(metrics, scenario.expect)
     passed = all(check["pass"] for check in checks.values())
     metrics = {"verdict": "pass" if passed else "fail", "checks": checks, **metrics}
     return Evaluation(

@@ -20,6 +20,7 @@ PURE = (
     "control",
     "patient",
     "carer",
+    "faults",
 )
 # A module may import from its own room and from those before it.
 ORDER = (
@@ -34,14 +35,19 @@ ORDER = (
     ("perception", "rhythm"),
     ("demonstrations",),
     ("learning", "safety", "patient"),
-    ("carer",),
+    ("carer", "faults"),
     ("control",),
     ("branch_file", "rhythm_file"),
     ("skill_file",),
     ("systems",),
     ("scene",),
     ("scenario", "wiring"),
-    ("control_diagram", "canonical_diagram", "perception_diagram"),
+    (
+        "control_diagram",
+        "canonical_diagram",
+        "perception_diagram",
+        "fault_diagram",
+    ),
     ("diagrams", "recording_diagram"),
     ("recorded_perception",),
     ("simulation_log",),

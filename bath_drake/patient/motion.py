@@ -1,10 +1,22 @@
 """How the seated person moves: breath, twist and lean as a whole, and the spine."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from bath_drake.notation import FloatArray
+
+_FASTEST_PERSON = 3.0  # m/s, along an axis
+_START_TIME = 0.1  # s
+
+
+@dataclass(kw_only=True)
+class DepartureConfig:
+    """The person goes somewhere else, as a whole, at one speed."""
+
+    begin: float = 0.0  # s
+    seconds: float = 1.0  # s, for how long
+    velocity: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.5])  # m/s, M
 
 
 @dataclass(kw_only=True)
@@ -35,6 +47,7 @@ class MotionConfig:
     spine_twist_phase: float = 0.0  # rad
     chest_amplitude: float = 0.0  # m, the trunk's skin swells so far with the breath
     ramp: float = 3.0  # s, over which the motion grows from nothing
+    departure: DepartureConfig | None = None  # stands up, or leaves
 
     @property
     def bends(self) -> bool:
@@ -97,6 +110,32 @@ def check_motion(motion: MotionConfig) -> None:
             raise ValueError(
                 f"motion {name} must be finite and within [{low}, {high}], got {value}"
             )
+    if motion.departure is not None:
+        _check_departure(motion.departure)
+
+
+def _check_departure(departure: DepartureConfig) -> None:
+    for name, value in (("begin", departure.begin), ("seconds", departure.seconds)):
+        if not 0.0 <= value < np.inf:
+            raise ValueError(
+                f"motion departure.{name} must be finite and not negative, got {value}"
+            )
+    velocity = departure.velocity
+    if len(velocity) != 3 or not (np.abs(velocity) <= _FASTEST_PERSON).all():
+        raise ValueError(
+            f"motion departure.velocity must be 3 numbers of at most {_FASTEST_PERSON},"
+            f" got {velocity}"
+        )
+
+
+def _departed(t: float, departure: DepartureConfig | None) -> FloatArray:
+    """How far (3,) the person has gone by then, m in M."""
+    if departure is None:
+        return np.zeros(3)
+    gone = min(max(t - departure.begin, 0.0), departure.seconds)
+    # From rest to the speed in a tenth of a second, at a constant acceleration.
+    start = min(gone, _START_TIME)
+    return (gone - start + 0.5 * start**2 / _START_TIME) * np.array(departure.velocity)
 
 
 def _ramp(t: float, duration: float) -> float:
@@ -172,7 +211,7 @@ def person_displacement(
         * np.sin(2.0 * np.pi * motion.breath_frequency * t)
     )
     R = _rotation_z(twist) @ _rotation_x(lean)
-    p = p_MHips + R @ (breath * breath_M - p_MHips)
+    p = p_MHips + R @ (breath * breath_M - p_MHips) + _departed(t, motion.departure)
     return R, p
 
 

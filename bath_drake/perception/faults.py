@@ -44,6 +44,47 @@ class DropletsFault:
 
 
 @dataclass(kw_only=True)
+class BackwardsFault(FrameFault):
+    """Frames whose time stamps are of the past, though they are new."""
+
+    by: float = 1.0  # s
+
+
+@dataclass(kw_only=True)
+class BlankFault:
+    """Depth that says nothing in some rows of the image, from the top."""
+
+    begin: float = 0.0  # s
+    end: float = 3600.0  # s
+    share: float = 0.5  # of the image's height
+
+
+@dataclass(kw_only=True)
+class CoveredFault:
+    """Something grey close to the lens: a disc of the image."""
+
+    begin: float = 0.0  # s
+    end: float = 3600.0  # s
+    centre: list[float] = field(
+        default_factory=lambda: [0.5, 0.5]
+    )  # shares of the image's width and height
+    radius: float = 1.0  # share of the image's width
+    depth: float = 0.6  # m
+
+
+@dataclass(kw_only=True)
+class ShiftedFault:
+    """A camera that was knocked: all it sees is elsewhere in its image."""
+
+    begin: float = 0.0  # s
+    end: float = 3600.0  # s
+    pixels: list[int] = field(default_factory=lambda: [60, 0])  # columns and rows
+
+
+LensFault = SaturationFault | DropletsFault | BlankFault | CoveredFault | ShiftedFault
+
+
+@dataclass(kw_only=True)
 class FaultsConfig:
     """The camera's faults; null is none."""
 
@@ -52,6 +93,10 @@ class FaultsConfig:
     frozen: FrameFault | None = None  # the last image again, with a new time
     saturation: SaturationFault | None = None
     droplets: DropletsFault | None = None
+    backwards: BackwardsFault | None = None
+    blank: BlankFault | None = None
+    covered: CoveredFault | None = None
+    shifted: ShiftedFault | None = None
 
     @property
     def any(self) -> bool:
@@ -62,7 +107,10 @@ class FaultsConfig:
 _RANGES = {
     "probability": (0.0, 1.0),
     "delay": (0.0, 2.0),
-    "radius": (1e-3, 0.5),
+    "radius": (1e-3, 1.0),
+    "by": (1e-3, 3600.0),
+    "share": (0.0, 1.0),
+    "depth": (1e-3, 10.0),
     "count": (1, 200),
     "lost": (0.0, 1.0),
     "outliers": (0.0, 1.0),
@@ -85,12 +133,18 @@ def check_faults(config: FaultsConfig) -> None:
                 raise ValueError(
                     f"{name}.{key}: found {value}, allowed {low} to {high}"
                 )
-    if config.saturation is not None:
-        centre = config.saturation.centre
-        if len(centre) != 2 or not all(0.0 <= share <= 1.0 for share in centre):
+    for name in ("saturation", "covered"):
+        disc = getattr(config, name)
+        if disc is None:
+            continue
+        if len(disc.centre) != 2 or not all(0.0 <= x <= 1.0 for x in disc.centre):
             raise ValueError(
-                f"saturation.centre: found {centre}, allowed two shares, 0 to 1"
+                f"{name}.centre: found {disc.centre}, allowed two shares, 0 to 1"
             )
+    if config.shifted is not None and len(config.shifted.pixels) != 2:
+        raise ValueError(
+            f"shifted.pixels: found {config.shifted.pixels}, allowed two integers"
+        )
     if config.droplets is not None:
         share = config.droplets.lost + config.droplets.outliers
         if share > 1.0:
@@ -99,7 +153,7 @@ def check_faults(config: FaultsConfig) -> None:
             )
 
 
-def within(fault: FrameFault | SaturationFault | DropletsFault, t: float) -> bool:
+def within(fault: FrameFault | LensFault, t: float) -> bool:
     """Whether a fault is on at a time, s; its end is not."""
     # Time stamps in steps of a camera period accumulate rounding.
     rounding = 1e-9

@@ -37,11 +37,13 @@ class FrameFate:
         lost: It never comes.
         frozen: It shows the image of the frame before it.
         delay: It comes this much late, s.
+        back: Its stamp is this much of the past, s.
     """
 
     lost: bool = False
     frozen: bool = False
     delay: float = 0.0
+    back: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,16 +72,18 @@ def frame_fate(config: FaultsConfig, *, seed: int, index: int, t: float) -> Fram
         index: The frame's number.
         t: When it is taken, s.
     """
-    draws = np.random.default_rng([seed, index, _STREAM]).random(3)
+    draws = np.random.default_rng([seed, index, _STREAM]).random(4)
 
     def struck(fault: FrameFault | None, draw: float) -> bool:
         return fault is not None and within(fault, t) and draw < fault.probability
 
-    late = config.late
+    late, backwards = config.late, config.backwards
+    went_back = backwards is not None and struck(backwards, draws[3])
     return FrameFate(
         lost=struck(config.loss, draws[0]),
         frozen=struck(config.frozen, draws[1]),
         delay=late.delay if late is not None and struck(late, draws[2]) else 0.0,
+        back=backwards.by if backwards is not None and went_back else 0.0,
     )
 
 
@@ -98,6 +102,10 @@ def next_delivery(
         fate: What becomes of it.
     """
     now, pending, sent = frame.stamp, before.pending, before.sent
+    if fate.back > 0.0 and not fate.lost:
+        # Whoever stamps its frames so has no order of its own to deliver them in.
+        past = replace(frame, stamp=now - fate.back)
+        return Delivery(index=index, newest=past, sent=frame, pending=pending)
     if not fate.lost:
         if fate.frozen and sent is not None:
             frame = replace(frame, colour=sent.colour, depth=sent.depth)

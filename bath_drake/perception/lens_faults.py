@@ -1,5 +1,7 @@
 """What glare and water on the lens do to an image; the numbers are our own."""
 
+from typing import TypeVar
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -7,8 +9,10 @@ from numpy.typing import NDArray
 from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception.faults import FaultsConfig, within
 
+_Pixel = TypeVar("_Pixel", bound="np.generic")
+
 _DROPLETS, _OUTLIERS = 4, 5
-_WHITE = 255
+_WHITE, _GREY = 255, 90
 # The blur inside a droplet, as a share of its radius.
 _BLUR = 0.5
 # A wrong depth is off by up to this share of the true one.
@@ -76,7 +80,36 @@ def with_lens_faults(
         window, disc = _disc(u, v, glare.radius * width, depth.shape)
         colour[window][disc] = _WHITE
         depth[window][disc] = 0.0
+    blank, cover, shift = config.blank, config.covered, config.shifted
+    if shift is not None and within(shift, t):
+        colour = _shifted(colour, shift.pixels)
+        depth = _shifted(depth, shift.pixels)
+    if cover is not None and within(cover, t):
+        u, v = cover.centre[0] * width, cover.centre[1] * height
+        window, disc = _disc(u, v, cover.radius * width, depth.shape)
+        colour[window][disc] = _GREY
+        depth[window][disc] = cover.depth
+    if blank is not None and within(blank, t):
+        depth[: round(blank.share * height)] = np.nan
     return colour, depth
+
+
+def _shifted(image: NDArray[_Pixel], pixels: list[int]) -> NDArray[_Pixel]:
+    """The image moved by columns and rows; nothing is seen where it was."""
+    height, width = image.shape[:2]
+    moved = np.zeros_like(image)
+    du, dv = pixels
+    if abs(du) < width and abs(dv) < height:
+        rows, columns = (
+            slice(max(dv, 0), height + min(dv, 0)),
+            slice(max(du, 0), width + min(du, 0)),
+        )
+        old_rows, old_columns = (
+            slice(max(-dv, 0), height + min(-dv, 0)),
+            slice(max(-du, 0), width + min(-du, 0)),
+        )
+        moved[rows, columns] = image[old_rows, old_columns]
+    return moved
 
 
 def _disc(

@@ -7,7 +7,7 @@ import numpy as np
 
 from bath_drake.carer.config import CarerConfig, check_carer
 from bath_drake.notation import FloatArray
-from bath_drake.patient.motion import MotionConfig, check_motion
+from bath_drake.patient.motion import DepartureConfig, MotionConfig, check_motion
 from bath_drake.patient.wound import DARK
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.colour_noise import ColourNoiseConfig, check_colour_noise
@@ -119,6 +119,20 @@ class WoundConfig:
 
 
 @dataclass(kw_only=True)
+class VisitorConfig:
+    """Somebody who comes in, seated as all our people are, on nothing."""
+
+    person: str = "f_old"  # a shipped person's name, or a folder
+    position: list[float] = field(
+        default_factory=lambda: [1.0, 1.7, 0.0]
+    )  # m, W, at first
+    yaw: float = 0.0  # rad
+    walk: DepartureConfig = field(
+        default_factory=lambda: DepartureConfig(velocity=[0.0, -1.2, 0.0])
+    )  # in the visitor's own frame
+
+
+@dataclass(kw_only=True)
 class SceneConfig:
     """Room, person, arm and camera."""
 
@@ -133,6 +147,7 @@ class SceneConfig:
     arm: ArmConfig = field(default_factory=ArmConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
     wound: WoundConfig | None = None
+    visitor: VisitorConfig | None = None
     # Who washes while the camera records; then there is no robot.
     carer: CarerConfig | None = None
 
@@ -193,6 +208,8 @@ def check_scene(config: SceneConfig) -> None:
     check_motion(config.motion)
     if config.wound is not None:
         _check_wound(config.wound)
+    if config.visitor is not None:
+        _check_visitor(config.visitor)
     if config.carer is not None:
         if camera.faults.any:
             raise ValueError("camera.faults: a filmed carer's camera has none")
@@ -205,6 +222,19 @@ def check_scene(config: SceneConfig) -> None:
 def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
     if name not in allowed:
         raise ValueError(f"{key}: found {name[:40]!r}, allowed: {', '.join(allowed)}")
+
+
+def _check_visitor(visitor: VisitorConfig) -> None:
+    if len(visitor.position) != 3 or not np.isfinite(visitor.position).all():
+        raise ValueError(
+            f"visitor.position must be 3 finite numbers, got {visitor.position}"
+        )
+    if not np.isfinite(visitor.yaw):
+        raise ValueError(f"visitor.yaw must be finite, got {visitor.yaw}")
+    try:
+        check_motion(MotionConfig(departure=visitor.walk))
+    except ValueError as error:
+        raise ValueError(f"visitor: {error}") from error
 
 
 def _check_wound(wound: WoundConfig) -> None:

@@ -43,6 +43,7 @@ from bath_drake.scene.room import (
     coloured,
     obj_mesh,
 )
+from bath_drake.scene.visitor import add_visitor
 from bath_drake.systems._poses import at, rotation_from
 from bath_drake.systems.patient_motion import PatientMotion
 
@@ -143,6 +144,8 @@ def add_studio(
             motion.GetOutputPort("skin_configuration"),
             scene_graph.get_source_configuration_port(source),
         )
+    if config.visitor is not None:
+        add_visitor(builder, scene_graph, config.visitor)
     X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
     camera = _add_camera(builder, scene_graph, config.camera, X_WC)
     return Studio(

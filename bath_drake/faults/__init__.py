@@ -1,0 +1,1 @@
+"""Faults to test the guard with: what breaks, when, and what is expected then."""

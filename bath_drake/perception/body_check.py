@@ -1,0 +1,126 @@
+"""How fast the body moves, and whether somebody else has come near it."""
+
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from scipy import ndimage
+
+from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.shared import Shared
+
+# The speed is taken over so many frames: a map's noise of 1 mm is then 15 mm/s.
+SPEED_FRAMES = 3
+# Side of a voxel, m: what is one body has no wider gaps in a camera's view of it.
+VOXEL = 0.08
+# So many voxels around what was there count as the same: it moves a little.
+_REACH = 2
+# Less surface than this, m^2, is a flying pixel, a drop, or a cable; a hand is more.
+LEAST_AREA = 0.01
+# Corners and middle of the back, in N.
+_PLACES = np.array([[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class BodyCheck(Shared):
+    """What is known after a frame.
+
+    Attributes:
+        stamps: Of the last frames with a map, s.
+        places: For each, the back's middle and corners in W, m: (5, 3).
+        known: Voxels of the workspace box in which the person, or what stood there
+            from the beginning, has been seen; None before the first back.
+        others: How many more there are in the box.
+    """
+
+    stamps: tuple[float, ...] = ()
+    places: tuple[FloatArray, ...] = ()
+    known: BoolArray | None = field(default=None)
+    others: int = 0
+
+    @property
+    def speed(self) -> float:
+        """Of the back's fastest corner over the last frames, m/s; 0 of one frame."""
+        if len(self.stamps) < 2:
+            return 0.0
+        way = np.linalg.norm(self.places[-1] - self.places[0], axis=1).max()
+        return float(way / (self.stamps[-1] - self.stamps[0]))
+
+
+def check_body(
+    before: BodyCheck,
+    stamp: float,
+    canonical_map: CanonicalMap | None,
+    voxels: IntArray,
+    back_voxels: IntArray,
+) -> BodyCheck:
+    """Checks one frame; one that is no later than the last changes nothing.
+
+    What is in the box as the first back is seen is furniture, or the person. Later,
+    a cluster of voxels without the back, where nothing was before, is somebody else.
+
+    Args:
+        before: What was known.
+        stamp: When it was taken, s.
+        canonical_map: Of this frame; None if no back was found.
+        voxels: (a, b, c) how many m^2 of surface, in units of 1e-4, each voxel of the
+            box shows, the robot's own left out.
+        back_voxels: Likewise, of the back alone.
+    """
+    stamps, places = before.stamps, before.places
+    if stamps and not stamp > stamps[-1]:
+        return before
+    if canonical_map is None:
+        return BodyCheck((), (), before.known, before.others)
+    now = canonical_map.world_from_canonical(_PLACES)
+    stamps = (*stamps, stamp)[-SPEED_FRAMES - 1 :]
+    places = (*places, now)[-SPEED_FRAMES - 1 :]
+    filled = voxels > 0
+    if before.known is None:
+        return BodyCheck(stamps, places, _grown(filled), 0)
+    labels, count = ndimage.label(filled, structure=np.ones((3, 3, 3)))
+    own = np.zeros(count + 1, dtype=bool)
+    own[np.unique(labels[back_voxels > 0])] = True
+    areas = np.bincount(labels.ravel(), voxels.ravel(), count + 1)
+    fresh = np.bincount(labels.ravel(), (voxels * ~before.known).ravel(), count + 1)
+    # The robot's arm may cut a piece off the person: it is where the person was.
+    other = ~own & (fresh > 0.5 * areas) & (areas > LEAST_AREA * 1e4)
+    other[0] = False
+    known = before.known
+    # Whoever touches the person is none of them.
+    if not other.any():
+        known = known | _grown(filled & own[labels] & (labels > 0))
+    return BodyCheck(stamps, places, known, int(np.count_nonzero(other)))
+
+
+def _grown(filled: BoolArray) -> BoolArray:
+    grown = ndimage.binary_dilation(
+        filled, np.ones((3, 3, 3), dtype=bool), iterations=_REACH
+    )
+    return np.asarray(grown)
+
+
+@cache
+def _shape(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[int, int, int]:
+    sides = [int(np.ceil((h - n) / VOXEL)) for n, h in zip(low, high, strict=True)]
+    return sides[0], sides[1], sides[2]
+
+
+def filled_voxels(
+    points_W: FloatArray, areas: FloatArray, low_W: FloatArray, high_W: FloatArray
+) -> IntArray:
+    """Returns how much surface each voxel of a box shows, in units of 1e-4 m^2.
+
+    Args:
+        points_W: (n, 3) m; those out of the box, and NaN, count nowhere.
+        areas: (n,) what each stands for, m^2.
+        low_W: (3,) the box's lower corner.
+        high_W: (3,) its upper corner.
+    """
+    inside = ((points_W > low_W) & (points_W < high_W)).all(axis=1)
+    shape = _shape(tuple(low_W.tolist()), tuple(high_W.tolist()))
+    index = ((points_W[inside] - low_W) / VOXEL).astype(np.int64)
+    flat = np.ravel_multi_index(tuple(index.T), shape)
+    filled = np.bincount(flat, areas[inside] * 1e4, int(np.prod(shape)))
+    return np.ceil(filled).astype(np.int64).reshape(shape)
