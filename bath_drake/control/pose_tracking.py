@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bath_drake.notation import FloatArray
+from bath_drake.perception.quadric import cross
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +46,7 @@ def jet_difference(
     angular speed leaves to the others.
     """
     z_from, z_to = R_from[:, 2], R_to[:, 2]
-    axis = np.cross(z_from, z_to)
+    axis = cross(z_from, z_to)
     sine, cosine = float(np.linalg.norm(axis)), float(z_from @ z_to)
     if sine > 1e-12:
         turn = axis / sine * np.arctan2(sine, cosine)

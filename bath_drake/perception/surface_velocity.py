@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bath_drake.notation import FloatArray
+from bath_drake.perception.quadric import cross
 from bath_drake.perception.surface import SurfacePatch
 
 
@@ -63,7 +64,7 @@ class VelocityFilter:
             raise ValueError(f"dt must be positive and finite, got {dt}")
         seen = np.zeros(6)
         if before.valid and after.valid:
-            turn = np.cross(before.normal_W, after.normal_W)
+            turn = cross(before.normal_W, after.normal_W)
             seen[:3] = _at_most(turn / dt, self.angular_speed)
             seen[3:] = _at_most((after.p_WS - before.p_WS) / dt, self.speed)
         share = 1.0 - math.exp(-dt / self.time)
@@ -82,7 +83,7 @@ def moved_patch(
     """
     if not patch.valid or not velocity.any():
         return patch
-    normal_W = patch.normal_W + elapsed * np.cross(velocity[:3], patch.normal_W)
+    normal_W = patch.normal_W + elapsed * cross(velocity[:3], patch.normal_W)
     return replace(
         patch,
         p_WS=patch.p_WS + elapsed * velocity[3:],
