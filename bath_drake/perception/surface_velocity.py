@@ -6,7 +6,7 @@ canonical point in two frames: what the washing itself moves is not in it.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -84,10 +84,15 @@ def moved_patch(
     if not patch.valid or not velocity.any():
         return patch
     normal_W = patch.normal_W + elapsed * cross(velocity[:3], patch.normal_W)
-    return replace(
-        patch,
+    return SurfacePatch(
         p_WS=patch.p_WS + elapsed * velocity[3:],
-        normal_W=normal_W / np.linalg.norm(normal_W),
+        normal_W=normal_W / math.hypot(*normal_W.tolist()),
+        curvatures=patch.curvatures,
+        count=patch.count,
+        rms=patch.rms,
+        radius=patch.radius,
+        valid=patch.valid,
+        normal_deviation=patch.normal_deviation,
     )
 
 
