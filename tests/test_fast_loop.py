@@ -32,14 +32,8 @@ def fast(name, **changes):
     return scenario
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "reproduction",
-        pytest.param("restricted_area", marks=pytest.mark.slow),
-        pytest.param("bending", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["reproduction", "restricted_area", "bending"])
 def test_the_run_passes_verification(name):
     scenario = fast(name)
     skill = load_skill(find_skill(scenario.skill))
