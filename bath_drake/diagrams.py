@@ -17,9 +17,14 @@ from pydrake.systems.primitives import (
 )
 
 from bath_drake.control_diagram import add_control
+from bath_drake.errors import ScenarioError
 from bath_drake.fault_diagram import add_faults
 from bath_drake.learning.skill import Skill
-from bath_drake.perception_diagram import add_perception, export_perception
+from bath_drake.perception_diagram import (
+    add_ideal_perception,
+    add_perception,
+    export_perception,
+)
 from bath_drake.scenario import Scenario
 from bath_drake.scene import (
     ArmGeometry,
@@ -32,7 +37,9 @@ from bath_drake.scene.sensing import (
     add_camera_faults,
     add_camera_noise,
     add_frame_recorder,
+    camera_ports,
 )
+from bath_drake.scene.true_sight import true_sight
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.systems.skin_view import DrawnPart, SkinView
@@ -78,15 +85,13 @@ def log_name(system: str, port: str) -> str:
 def build_perception(scenario: Scenario) -> Diagram:
     """The scene, the camera and what is made of its images; the arm stays at home."""
     builder = DiagramBuilder()
-    scene, camera = _add_studio(builder, scenario)
-    perception = _add_perception(builder, scenario, scene, camera)
+    scene = _add_scene(builder, scenario)
+    perception, _ = _add_eyes(builder, scenario, scene)
     rest = np.concatenate([home_position(scenario.scene.arm), np.zeros(7)])
     command = builder.AddNamedSystem(
         "joint_command", ConstantVectorSource(drake_vector(rest))
     )
-    builder.Connect(
-        command.get_output_port(), scene.plant.get_desired_state_input_port(scene.arm)
-    )
+    builder.Connect(command.get_output_port(), scene.arm_command)
     export_perception(builder, perception)
     diagram = builder.Build()
     diagram.set_name("perception")
@@ -109,11 +114,12 @@ def build_reproduction(
         write_frame: Takes every frame of the camera; None records nothing.
 
     Raises:
-        ScenarioError: If the person the scenario names is not there or damaged.
+        ScenarioError: If the person the scenario names is not there or damaged, or
+            frames are to be recorded where none are taken.
     """
     builder = DiagramBuilder()
-    scene, camera = _add_studio(builder, scenario)
-    perception = _add_perception(builder, scenario, scene, camera, watched=True)
+    scene = _add_scene(builder, scenario, draws=meshcat is not None)
+    perception, camera = _add_eyes(builder, scenario, scene, watched=True)
     control = add_control(builder, scenario, skill)
     _close_loop(
         builder, scene, perception, control, body_rim=scenario.perception.body_rim
@@ -121,6 +127,10 @@ def build_reproduction(
     _add_logs(builder, scene, {**perception, **control})
     add_faults(builder, scenario.faults, period=1.0 / scenario.perception.camera_rate)
     if write_frame is not None:
+        if camera is None:
+            raise ScenarioError(
+                "perception.source: found 'ideal', allowed camera to record its frames"
+            )
         add_frame_recorder(
             builder,
             ports=camera,
@@ -128,7 +138,7 @@ def build_reproduction(
             period=1.0 / scenario.perception.camera_rate,
             write=write_frame,
         )
-    if meshcat is not None:
+    if meshcat is not None and scene.scene_graph is not None:
         visualizer = MeshcatVisualizer.AddToBuilder(
             builder,
             scene.scene_graph,
@@ -142,23 +152,46 @@ def build_reproduction(
     return diagram
 
 
-def _add_studio(
-    builder: DiagramBuilder, scenario: Scenario
-) -> tuple[Scene, CameraPorts]:
-    """The scene, and its camera's images, noisy if the scenario says so."""
-    period = 1.0 / scenario.perception.camera_rate
-    scene = add_scene(builder, scenario.scene, frame_period=period)
-    ports = add_camera_noise(
+def _add_scene(
+    builder: DiagramBuilder, scenario: Scenario, *, draws: bool = False
+) -> Scene:
+    """The scene; where nothing is filmed or shown, only what moves in it."""
+    return add_scene(
         builder,
-        CameraPorts(
-            scene.camera.color_image_output_port(),
-            scene.camera.depth_image_32F_output_port(),
-        ),
+        scenario.scene,
+        frame_period=1.0 / scenario.perception.camera_rate,
+        films=scenario.perception.source == "camera",
+        draws=draws,
+    )
+
+
+def _add_eyes(
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    scene: Scene,
+    *,
+    watched: bool = False,
+) -> tuple[dict[str, Any], CameraPorts | None]:
+    """Perception's systems by name, and the images, noisy if the scenario says so."""
+    perception = scenario.perception
+    period = 1.0 / perception.camera_rate
+    if perception.source == "ideal":
+        sight = true_sight(
+            scene, margin=perception.area_margin, given=perception.restricted_areas
+        )
+        systems = add_ideal_perception(builder, sight, period=period)
+        for port in ("body_pose", "trunk_bend"):
+            connect(builder, scene.patient_motion, port, [systems["body_segmenter"]])
+        return systems, None
+    camera = add_camera_noise(
+        builder,
+        camera_ports(scene.camera),
         scenario.scene.camera,
         seed=scenario.random_seed,
         period=period,
     )
-    return scene, ports
+    systems = _add_perception(builder, scenario, scene, camera, watched=watched)
+    return systems, camera
 
 
 def _add_skin_view(builder: DiagramBuilder, scene: Scene, meshcat: Meshcat) -> None:
@@ -190,9 +223,7 @@ def _add_perception(
         watched=watched,
     )
     split = builder.AddNamedSystem("arm_position", Demultiplexer([7, 7]))
-    builder.Connect(
-        scene.plant.get_state_output_port(scene.arm), split.get_input_port()
-    )
+    builder.Connect(scene.arm_state, split.get_input_port())
     now = split.get_output_port(0)
     come = add_camera_faults(
         builder,
@@ -265,8 +296,13 @@ def _close_loop(
         [surface, control["surface_velocity"]],
     )
     guards = [control[name] for name in ("canonical_guard", "joint_guard")]
-    connect(builder, perception["frame_monitor"], "frame_status", guards)
-    connect(builder, perception["body_monitor"], "body_status", guards)
+    for name, port in (
+        ("frame_monitor", "frame_status"),
+        ("body_monitor", "body_status"),
+    ):
+        # Ideal perception has neither: there are no frames, and one body.
+        if name in perception:
+            connect(builder, perception[name], port, guards)
     if body_rim:
         connect(
             builder,
@@ -281,14 +317,10 @@ def _close_loop(
         [control["world_reconciler"]],
     )
     builder.Connect(
-        control["joint_guard"].GetOutputPort("checked_command"),
-        scene.plant.get_desired_state_input_port(scene.arm),
+        control["joint_guard"].GetOutputPort("checked_command"), scene.arm_command
     )
     for name in ("nozzle_kinematics", "arm_link"):
-        builder.Connect(
-            scene.plant.get_state_output_port(scene.arm),
-            control[name].GetInputPort("arm_state"),
-        )
+        builder.Connect(scene.arm_state, control[name].GetInputPort("arm_state"))
 
 
 def _add_logs(builder: DiagramBuilder, scene: Scene, systems: dict[str, Any]) -> None:

@@ -17,6 +17,9 @@ from bath_drake.systems.body_monitor import BodyMonitor
 from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
 from bath_drake.systems.frame_monitor import FrameMonitor
+from bath_drake.systems.ideal_areas import IdealAreas
+from bath_drake.systems.ideal_projector import IdealProjector
+from bath_drake.systems.ideal_segmenter import IdealSegmenter, Sight
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
 from bath_drake.wiring import add_all, connect
 
@@ -94,6 +97,34 @@ def add_perception(
         builder, systems["body_segmenter"], "body_observation", [projector, detector]
     )
     connect(builder, projector, "canonical_map", [detector])
+    return systems
+
+
+def add_ideal_perception(
+    builder: DiagramBuilder, sight: Sight, *, period: float
+) -> dict[str, Any]:
+    """Adds what tells the truth in perception's stead, under the same names and ports.
+
+    Args:
+        builder: Gets the systems; the first one's inputs are left open.
+        sight: Knows the true back.
+        period: Between looks, s.
+
+    Returns:
+        The systems by name.
+    """
+    systems = add_all(
+        builder,
+        {
+            "body_segmenter": IdealSegmenter(sight=sight, period=period),
+            "canonical_projector": IdealProjector(rim=sight.rim),
+            "restricted_area_detector": IdealAreas(areas=sight.areas),
+        },
+    )
+    followers = [
+        systems[k] for k in ("canonical_projector", "restricted_area_detector")
+    ]
+    connect(builder, systems["body_segmenter"], "body_observation", followers)
     return systems
 
 

@@ -22,9 +22,9 @@ from bath_drake.scenario import Scenario, find_demonstration
 from bath_drake.scene.carer import add_carer, carer_arm
 from bath_drake.scene.config import check_scene
 from bath_drake.scene.sensing import (
-    CameraPorts,
     add_camera_noise,
     add_frame_recorder,
+    camera_ports,
 )
 from bath_drake.scene.studio import add_studio, true_person_pose
 from bath_drake.systems.frame_recorder import WriteFrame
@@ -87,10 +87,7 @@ def build_recording(
     camera, period = scenario.scene.camera, 1.0 / scenario.perception.camera_rate
     ports = add_camera_noise(
         builder,
-        CameraPorts(
-            studio.camera.color_image_output_port(),
-            studio.camera.depth_image_32F_output_port(),
-        ),
+        camera_ports(studio.camera),
         camera,
         seed=scenario.random_seed,
         period=period,

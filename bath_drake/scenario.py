@@ -3,6 +3,7 @@
 import math
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,8 +26,12 @@ from bath_drake.yaml_io import dump_yaml, read_yaml
 
 @dataclass(kw_only=True)
 class PerceptionConfig:
-    """What is made of the images."""
+    """What is made of the images; `perception: ideal` is short for that source."""
 
+    SHORTHAND: ClassVar[str] = "source"
+
+    # camera: images are rendered and looked at. ideal: the true back, in their stead.
+    source: str = "camera"
     camera_rate: float = 30.0  # Hz
     # m, W: where a person's back may be; the Cartesian filter.
     workspace_low: list[float] = field(default_factory=lambda: [0.4, -0.6, 0.4])
@@ -93,6 +98,7 @@ class Scenario:
     expect: Expectation | None = None
 
 
+SOURCES = ("camera", "ideal")
 SEGMENTERS = ("classic", "neural", "neural_any_light")
 
 # Careful bounds near people: nobody asks for more by mistake.
@@ -138,6 +144,7 @@ def check_scenario(scenario: Scenario) -> None:
         )
     approach_limits(scenario)
     map_follower(scenario)
+    _check_source(scenario)
     _check_segmenter(scenario)
     for k, corners in enumerate(scenario.perception.restricted_areas):
         try:
@@ -184,6 +191,24 @@ def segmentation(scenario: Scenario) -> SegmentationConfig:
         box_low_W=np.array(scenario.perception.workspace_low),
         box_high_W=np.array(scenario.perception.workspace_high),
     )
+
+
+def _check_source(scenario: Scenario) -> None:
+    found = scenario.perception.source
+    if found not in SOURCES:
+        raise ValueError(
+            f"perception.source: found {found[:60]!r}, allowed {', '.join(SOURCES)}"
+        )
+    if found == "ideal":
+        for key, there in (
+            ("scene.carer", scenario.scene.carer is not None),
+            ("scene.camera.faults", scenario.scene.camera.faults.any),
+        ):
+            if there:
+                raise ValueError(
+                    f"perception.source: found 'ideal', allowed camera where there is"
+                    f" {key}"
+                )
 
 
 def _check_segmenter(scenario: Scenario) -> None:

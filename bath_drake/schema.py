@@ -32,7 +32,8 @@ def fill(schema: type[T], block: Block) -> T:
     such lists, other such dataclasses, lists of them, and any of these or None
     (`X | None`). A schema
     with a method `complete` (see `Completed`) says itself what follows from the values
-    given.
+    given. One with a text `SHORTHAND`, the name of a field, may be written as that
+    field's value alone.
 
     Args:
         schema: A dataclass whose every field has a default.
@@ -66,6 +67,9 @@ def _take(block: Block, key: str, kind: Any) -> Any:
             return None
         (kind,) = (k for k in alternatives if k is not NoneType)
     if is_dataclass(kind):
+        shorthand = getattr(kind, "SHORTHAND", None)
+        if shorthand is not None and block.is_text(key):
+            return fill(kind, block.take_short(key, shorthand))  # type: ignore[arg-type]
         return fill(kind, block.take_block(key))  # type: ignore[arg-type]
     if kind == list[list[list[float]]]:
         return block.take_matrices(key)

@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context, Diagram
 
 from bath_drake.diagrams import log_name, logged_ports
 from bath_drake.field.parameters import pack_field
-from bath_drake.notation import FloatArray
+from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.safety.hold import HoldReason
 from bath_drake.scenario import Scenario
@@ -83,12 +83,11 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
     observation = _output(diagram, context, "body_segmenter", "body_observation")
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
-    colour = _last_image(diagram, context, "colour")
-    depth = _last_image(diagram, context, "depth")
+    colour, depth = _images(diagram, context, observation.mask.shape)
     return {
         "time": context.get_time(),
-        "colour": colour[:, :, :3].copy(),
-        "depth": depth[:, :, 0].copy(),
+        "colour": colour,
+        "depth": depth,
         "mask": observation.mask,
         "robot": observation.robot_mask,
         "map": _map_row(canonical_map),
@@ -100,6 +99,17 @@ def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
             observation.completion_quality,
         ),
     }
+
+
+def _images(
+    diagram: Diagram, context: Context, shape: tuple[int, int]
+) -> tuple[ByteArray, FloatArray]:
+    """Colours (H, W, 3) and depths (H, W); black and of nothing without a camera."""
+    if not diagram.HasSubsystemNamed("camera"):
+        return np.zeros((*shape, 3), np.uint8), np.full(shape, np.inf, np.float32)
+    colour = _last_image(diagram, context, "colour")
+    depth = _last_image(diagram, context, "depth")
+    return colour[:, :, :3].copy(), depth[:, :, 0].copy()
 
 
 def _last_image(diagram: Diagram, context: Context, kind: str) -> Any:
@@ -180,7 +190,7 @@ def _collect(
             : len(HoldReason)
         ],
         wall_time=np.array(wall_time),
-        frames=np.array(int(context.get_time() * scenario.perception.camera_rate) + 1),
+        frames=np.array(_frames(scenario, context.get_time())),
         outcome=outcome,
         keyframe_time=stacked("time"),
         keyframe_colour=stacked("colour"),
@@ -199,6 +209,13 @@ def _collect(
         ),
         X_WC=X_WC,
     )
+
+
+def _frames(scenario: Scenario, seconds: float) -> int:
+    """How many frames the camera took: ideal perception takes none."""
+    if scenario.perception.source == "ideal":
+        return 0
+    return int(seconds * scenario.perception.camera_rate) + 1
 
 
 def _numbered_rows(keyframes: list[dict[str, Any]]) -> FloatArray:

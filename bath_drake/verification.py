@@ -150,6 +150,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "restricted_min_clearance_mm": least(clearance),
         "min_beta": least_beta(log, washing),
         "coverage": None,
+        "perception": scenario.perception.source,
         "frames": int(log.frames),
         "dropped_frames": dropped_frames(
             scenario.scene.camera.faults,

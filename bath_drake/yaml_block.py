@@ -64,6 +64,14 @@ class Block:
         """Whether a list stands under a key, which is left there."""
         return self.has(key) and isinstance(self._rest[key], list)
 
+    def is_text(self, key: str) -> bool:
+        """Whether text stands under a key, which is left there."""
+        return self.has(key) and isinstance(self._rest[key], str)
+
+    def take_short(self, key: str, name: str) -> "Block":
+        """Returns the text under a key as a mapping that has it under `name`."""
+        return self._inner({name: self.take(key, str)}, key)
+
     def _checked(self, key: str, value: Any, kind: type[T]) -> T:
         if kind is float and type(value) is int:
             value = float(value)

@@ -113,7 +113,16 @@ def test_imports_point_back_only(path):
 
 def test_the_loop_never_imports_the_true_person():
     rooms = (*LOOP, "field")
-    rooms_of_truth = ("people", "skin", "wound", "rig", "washed_skin", "shell", "gltf")
+    rooms_of_truth = (
+        "people",
+        "skin",
+        "wound",
+        "rig",
+        "true_back",
+        "washed_skin",
+        "shell",
+        "gltf",
+    )
     truths = tuple(f"bath_drake.patient.{name}" for name in rooms_of_truth)
     for path in MODULES:
         if room_of(path) in rooms:

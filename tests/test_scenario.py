@@ -56,6 +56,19 @@ def test_a_written_scenario_reads_back_the_same(tmp_path):
         ("scene: {wound: {centre: [1]}}\n", "wound.centre must be 2"),
         ("scene: {camera: {eye: 3}}\n", "scene.camera.eye: found 3"),
         ("scene: {camera: {noise: loud}}\n", "camera.noise: found 'loud', allowed"),
+        (
+            "perception: dream\n",
+            "perception.source: found 'dream', allowed camera, ide",
+        ),
+        ("perception: 3\n", "perception: found 3, expected a mapping"),
+        (
+            "perception: ideal\nscene: {camera: {faults: {loss: {}}}}\n",
+            "perception.source: found 'ideal', allowed camera where there is scene.",
+        ),
+        (
+            "scene: {arm: {fidelity: toy}}\n",
+            "scene: arm.fidelity: found 'toy', allowed: dynamic, kinematic",
+        ),
         ("scene: {camera: {model: lidar}}\n", "scene.camera.model: found 'lidar'"),
         ("scene: {camera: {colour_noise: {read: -1}}}\n", "colour_noise.read: found"),
         ("scene: {camera: {faults: {rain: {}}}}\n", "camera.faults.rain: unknown key"),
@@ -167,3 +180,14 @@ def test_given_areas_are_written_and_read_back(tmp_path):
     path = tmp_path / "given.yaml"
     path.write_text(dump_scenario(scenario), encoding="utf-8")
     assert load_scenario(path) == scenario
+
+
+def test_a_word_may_stand_for_the_source_of_perception(tmp_path):
+    path = tmp_path / "s.yaml"
+    path.write_text("perception: ideal\n", encoding="utf-8")
+    short = load_scenario(path)
+    path.write_text("perception: {source: ideal}\n", encoding="utf-8")
+    assert short == load_scenario(path)
+    assert short.perception.source == "ideal"
+    path.write_text(dump_scenario(short), encoding="utf-8")
+    assert load_scenario(path) == short

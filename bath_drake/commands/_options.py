@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from bath_drake.carer_recording import record_carer
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter, check_recording_output
+from bath_drake.errors import ScenarioError
 from bath_drake.learning.skill import Skill
 from bath_drake.recording_diagram import build_recording
 from bath_drake.run_folder import (
@@ -79,6 +80,11 @@ def run_and_report(
     With `record` the camera's frames go into that folder.
     """
     if record is not None:
+        if scenario.perception.source == "ideal":
+            raise ScenarioError(
+                "--record: perception.source: found 'ideal', allowed camera: there are"
+                " no frames to record"
+            )
         check_recording_output(record)
     make_run_folder(folder)
     writer = None if record is None else begin_recording(record, scenario.scene.camera)

@@ -4,9 +4,11 @@ Spatial velocities are (6,): angular part first (rad/s), then the translation of
 E's origin (m/s), both in W, as Drake orders them.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from bath_drake.notation import FloatArray
 
@@ -44,16 +46,34 @@ def jet_difference(
     the jet itself is nothing to a round one, and would use up what a bound on the
     angular speed leaves to the others.
     """
-    z_from, z_to = R_from[:, 2], R_to[:, 2]
-    axis = np.cross(z_from, z_to)
-    sine, cosine = float(np.linalg.norm(axis)), float(z_from @ z_to)
+    return _jet_difference(
+        np.ascontiguousarray(R_from),
+        np.ascontiguousarray(p_from),
+        np.ascontiguousarray(R_to),
+        np.ascontiguousarray(p_to),
+    )
+
+
+@njit(cache=True)
+def _jet_difference(
+    R_from: FloatArray, p_from: FloatArray, R_to: FloatArray, p_to: FloatArray
+) -> FloatArray:
+    ax, ay, az = R_from[0, 2], R_from[1, 2], R_from[2, 2]
+    bx, by, bz = R_to[0, 2], R_to[1, 2], R_to[2, 2]
+    x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    sine, cosine = np.sqrt(x * x + y * y + z * z), ax * bx + ay * by + az * bz
+    result = np.empty(6)
     if sine > 1e-12:
-        turn = axis / sine * np.arctan2(sine, cosine)
+        turn = np.arctan2(sine, cosine) / sine
+        result[0], result[1], result[2] = x * turn, y * turn, z * turn
     elif cosine > 0.0:
-        turn = axis
+        result[0], result[1], result[2] = x, y, z
     else:  # opposite: any turn by a half about an axis across
-        turn = np.pi * R_from[:, 0]
-    return np.concatenate([turn, p_to - p_from])
+        for k in range(3):
+            result[k] = np.pi * R_from[k, 0]
+    for k in range(3):
+        result[3 + k] = p_to[k] - p_from[k]
+    return result
 
 
 def across_jet(twist: FloatArray, R: FloatArray) -> FloatArray:
@@ -65,19 +85,42 @@ def across_jet(twist: FloatArray, R: FloatArray) -> FloatArray:
 
 def is_pose(R: FloatArray, p: FloatArray) -> bool:
     """Whether R (3, 3) is a rotation and p (3,) finite."""
+    return bool(_is_pose(np.ascontiguousarray(R), np.ascontiguousarray(p)))
+
+
+@njit(cache=True)
+def _is_pose(R: FloatArray, p: FloatArray) -> bool:
     if not (np.isfinite(R).all() and np.isfinite(p).all()):
         return False
-    # Well above rounding, far below any real change of shape.
-    return bool(np.abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0)
+    for i in range(3):
+        for j in range(3):
+            dot = 0.0
+            for k in range(3):
+                dot += R[i, k] * R[j, k]
+            # Well above rounding, far below any real change of shape.
+            if not abs(dot - (1.0 if i == j else 0.0)) < 1e-6:
+                return False
+    across = R[1, 1] * R[2, 2] - R[1, 2] * R[2, 1]
+    along = R[1, 0] * R[2, 2] - R[1, 2] * R[2, 0]
+    last = R[1, 0] * R[2, 1] - R[1, 1] * R[2, 0]
+    return bool(R[0, 0] * across - R[0, 1] * along + R[0, 2] * last > 0.0)
 
 
 def limited(twist: FloatArray, angular: float, linear: float) -> FloatArray:
     """Returns the twist (6,) with both parts' norms bounded, directions kept."""
-    result = np.array(twist, dtype=np.float64)
-    for part, bound in ((slice(0, 3), angular), (slice(3, 6), linear)):
-        norm = float(np.linalg.norm(result[part]))
+    return _limited(np.array(twist, dtype=np.float64), angular, linear)
+
+
+@njit(cache=True)
+def _limited(result: FloatArray, angular: float, linear: float) -> FloatArray:
+    """In place."""
+    for first, bound in ((0, angular), (3, linear)):
+        norm = np.sqrt(
+            result[first] ** 2 + result[first + 1] ** 2 + result[first + 2] ** 2
+        )
         if norm > bound:
-            result[part] *= bound / norm
+            for k in range(first, first + 3):
+                result[k] *= bound / norm
     return result
 
 
@@ -87,8 +130,8 @@ def together(twist: FloatArray, angular: float, linear: float) -> FloatArray:
     So a long way is gone straight, and the turn on it comes to its end with it: a
     nozzle that turned first would take the arm where it need not go.
     """
-    turn = float(np.linalg.norm(twist[:3])) / angular
-    shift = float(np.linalg.norm(twist[3:])) / linear
+    turn = math.hypot(*twist[:3].tolist()) / angular
+    shift = math.hypot(*twist[3:].tolist()) / linear
     return np.asarray(twist / max(1.0, turn, shift))
 
 

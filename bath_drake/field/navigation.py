@@ -22,7 +22,7 @@ Coordinates beyond 1e70 count as 1e70, semi-axes below 1e-35 as 1e-35.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,6 +68,8 @@ class NavigationField:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, NavigationField):
             return NotImplemented
+        if self is other:
+            return True
         return (
             self.workspace == other.workspace
             and np.array_equal(self.goal, other.goal)
@@ -76,12 +78,16 @@ class NavigationField:
         )
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         parts = (self.workspace, self.goal.tobytes(), self.kappa, self.obstacles)
         return hash(parts)
 
     def with_obstacles(self, extra: ObstacleSet) -> "NavigationField":
         """The same field with further obstacles: another world, to be checked anew."""
-        return replace(self, obstacles=self.obstacles + extra)
+        return self if len(extra) == 0 else _joined(self, extra)
 
     def with_goal(self, goal: FloatArray) -> "NavigationField":
         """The same field with another goal: another world, to be checked anew."""
@@ -97,6 +103,12 @@ class NavigationField:
         forms = quadratic_forms(theta.copy(), exponents.copy())
         gx, gy = (min(max(g, -FAR), FAR) for g in self.goal.tolist())
         return self.workspace.as_array(), gx, gy, self.kappa, forms
+
+
+@lru_cache(maxsize=32)
+def _joined(field: NavigationField, extra: ObstacleSet) -> NavigationField:
+    """Asked for hundreds of times a second of one world: one answer, with its forms."""
+    return replace(field, obstacles=field.obstacles + extra)
 
 
 def _points(q: ArrayLike) -> tuple[FloatArray, tuple[int, ...]]:

@@ -5,6 +5,7 @@ are implicit functions, positive in free space and zero on their boundary.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,6 +75,8 @@ class ObstacleSet:
         return len(self.theta)
 
     def __add__(self, other: "ObstacleSet") -> "ObstacleSet":
+        if len(other) == 0:
+            return self
         return ObstacleSet(
             np.concatenate([self.theta, other.theta]),
             np.concatenate([self.powers, other.powers]),
@@ -82,11 +85,17 @@ class ObstacleSet:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ObstacleSet):
             return NotImplemented
+        if self is other:
+            return True
         return np.array_equal(self.theta, other.theta) and np.array_equal(
             self.powers, other.powers
         )
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         return hash((self.theta.tobytes(), self.powers.tobytes()))
 
     def boundary(self, count: int = 64) -> FloatArray:
@@ -132,6 +141,8 @@ class Workspace:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Workspace):
             return NotImplemented
+        if self is other:
+            return True
         return bool(np.array_equal(self.as_array(), other.as_array()))
 
     def __hash__(self) -> int:

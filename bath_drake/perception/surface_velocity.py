@@ -6,11 +6,12 @@ canonical point in two frames: what the washing itself moves is not in it.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from bath_drake.notation import FloatArray
+from bath_drake.perception.quadric import cross
 from bath_drake.perception.surface import SurfacePatch
 
 
@@ -63,7 +64,7 @@ class VelocityFilter:
             raise ValueError(f"dt must be positive and finite, got {dt}")
         seen = np.zeros(6)
         if before.valid and after.valid:
-            turn = np.cross(before.normal_W, after.normal_W)
+            turn = cross(before.normal_W, after.normal_W)
             seen[:3] = _at_most(turn / dt, self.angular_speed)
             seen[3:] = _at_most((after.p_WS - before.p_WS) / dt, self.speed)
         share = 1.0 - math.exp(-dt / self.time)
@@ -82,11 +83,16 @@ def moved_patch(
     """
     if not patch.valid or not velocity.any():
         return patch
-    normal_W = patch.normal_W + elapsed * np.cross(velocity[:3], patch.normal_W)
-    return replace(
-        patch,
+    normal_W = patch.normal_W + elapsed * cross(velocity[:3], patch.normal_W)
+    return SurfacePatch(
         p_WS=patch.p_WS + elapsed * velocity[3:],
-        normal_W=normal_W / np.linalg.norm(normal_W),
+        normal_W=normal_W / math.hypot(*normal_W.tolist()),
+        curvatures=patch.curvatures,
+        count=patch.count,
+        rms=patch.rms,
+        radius=patch.radius,
+        valid=patch.valid,
+        normal_deviation=patch.normal_deviation,
     )
 
 

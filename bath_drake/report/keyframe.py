@@ -122,9 +122,13 @@ class Keyframe:
         """Lays canonical points (n, 2) onto the skin this frame shows.
 
         Returns:
-            Image coordinates (n, 2) and points in W (n, 3); NaN off the mask.
+            Image coordinates (n, 2) and points in W (n, 3); NaN off the mask, and
+            everywhere in a frame without an image.
             What the robot hides is filled linearly from around it.
         """
+        if not np.isfinite(self.depth).any():
+            nowhere = np.full((np.size(p_N) // 2, 5), np.nan)
+            return nowhere[:, :2], nowhere[:, 2:]
         places = np.asarray(self._drape(np.asarray(p_N).reshape(-1, 2)))
         return places[:, :2], places[:, 2:]
 

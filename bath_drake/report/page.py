@@ -31,7 +31,7 @@ from bath_drake.report.tables import (
     provenance,
 )
 from bath_drake.safety.outcome import LoopOutcome
-from bath_drake.scene.config import CameraConfig
+from bath_drake.scenario import Scenario
 
 REPORT_NAME = "report.html"
 _KEYFRAMES = 3
@@ -49,6 +49,13 @@ _RIGID = "The person is rigid in this run: it breathes, twists and leans as one 
 _BENDS = (
     "The person's skin bends in this run, but it does not give way: nothing touches it."
 )
+
+
+_IDEAL = (
+    "Perception was ideal: the loop was told the true back, no image was rendered, and "
+    "the pictures of the camera's view are black."
+)
+_KINEMATIC = "The arm was kinematic: exactly where it was told to be."
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,7 @@ def render_report(run: RunData) -> str:
         passed=run.metrics["verdict"] == "pass",
         person=run.scenario.scene.person,
         summary=_summary(run),
-        rigidity=_BENDS if run.scenario.scene.motion.bends else _RIGID,
+        rigidity=_conditions(run.scenario),
         chain=draw_chain(_chain_figures(run)),
         headline=_headline(run),
         checks=check_rows(run.metrics["checks"]),
@@ -238,6 +245,8 @@ def _add_camera_pictures(run: RunData, add: Any) -> None:
         "What the loop knows of the person: the segmented back, its canonical box and "
         "the path laid onto the skin it sees.",
     )
+    if run.scenario.perception.source == "ideal":
+        return  # what follows lays paths onto images
     add(
         "cloud",
         camera_figures.draw_point_cloud(frame, done, to_come),
@@ -259,6 +268,16 @@ def _add_camera_pictures(run: RunData, add: Any) -> None:
         "The map follows the person's motion; the path stays where it belongs on "
         "the back.",
     )
+
+
+def _conditions(scenario: Scenario) -> str:
+    """What is simpler in the run than in a bathroom."""
+    parts = [_BENDS if scenario.scene.motion.bends else _RIGID]
+    if scenario.perception.source == "ideal":
+        parts.append(_IDEAL)
+    if scenario.scene.arm.fidelity == "kinematic":
+        parts.append(_KINEMATIC)
+    return " ".join(parts)
 
 
 def _summary(run: RunData) -> str:
@@ -308,7 +327,7 @@ def _chain_figures(run: RunData) -> ChainFigures:
         beta = f"β ≥ {number(m.get('min_beta'))}, {periodic['cycles']:.0f} cycles"
     return ChainFigures(
         camera=f"{int(log.frames)} frames",
-        camera_kind=_camera_kind(run.scenario.scene.camera),
+        camera_kind=_camera_kind(run.scenario),
         segmenter=f"{100 * reach[0]:.0f} % of it visible",
         projector=f"box {200 * half[0]:.0f} × {200 * half[1]:.0f} cm{_jumps(m)}",
         controller=beta,
@@ -328,8 +347,11 @@ def _jumps(metrics: dict[str, Any]) -> str:
     return f", {rejected} jumps refused" if rejected else ""
 
 
-def _camera_kind(camera: CameraConfig) -> str:
+def _camera_kind(scenario: Scenario) -> str:
     """The noise it has, in a few words."""
+    if scenario.perception.source == "ideal":
+        return "none: ideal"
+    camera = scenario.scene.camera
     if camera.noise == "none" and camera.colour_noise is None:
         return "without noise"
     return "colour noise" if camera.noise == "none" else f"{camera.noise} noise"

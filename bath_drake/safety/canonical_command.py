@@ -5,6 +5,7 @@ Only ever scaled, never turned: what passes is along the flow that was asked for
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,6 +47,7 @@ class GuardedWorld:
     wide_forms: FloatArray
 
 
+@lru_cache(maxsize=32)
 def guarded_world(
     field: NavigationField, areas: ObstacleSet, margin: float
 ) -> GuardedWorld:

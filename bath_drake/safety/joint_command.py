@@ -25,6 +25,10 @@ _HUGE = 1e3
 _DAMPING = 0.05
 
 
+# Rows of the Jacobian in E: all but the turn about the jet.
+_FOLLOWED = [0, 1, 3, 4, 5]
+
+
 @dataclass(frozen=True, eq=False)
 class JointRange:
     """Positions between which the joints stay, rad, the margin taken off; (7,) each."""
@@ -166,7 +170,8 @@ def condition_number(jacobian_E: ArrayLike) -> float:
     J = np.asarray(jacobian_E, dtype=np.float64)
     if not _is_jacobian(J):
         return float("nan")
-    return float(np.linalg.cond(J[[0, 1, 3, 4, 5]]))
+    values = np.linalg.svd(J[_FOLLOWED], compute_uv=False)
+    return float(values[0] / values[-1]) if values[-1] > 0.0 else float("inf")
 
 
 def stoppable_speed(way: FloatArray, acceleration: FloatArray, dt: float) -> FloatArray:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from pydrake.geometry import FrameId, GeometryId, SceneGraph
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
     MultibodyPlant,
@@ -11,7 +11,8 @@ from pydrake.multibody.plant import (
 )
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.controllers import InverseDynamics
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import DiagramBuilder, InputPort, OutputPort
+from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from pydrake.systems.sensors import RgbdSensor
 
 from bath_drake.patient.people import Person, load_person
@@ -20,7 +21,14 @@ from bath_drake.patient.wound import WoundPatch
 from bath_drake.scene.arm import add_arm, home_position
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.scene.room import add_pedestal
-from bath_drake.scene.studio import add_studio, true_person_pose
+from bath_drake.scene.studio import (
+    add_patient_motion,
+    add_studio,
+    true_person_pose,
+    true_wound,
+)
+from bath_drake.systems._poses import at
+from bath_drake.systems.kinematic_arm import KinematicArm
 from bath_drake.systems.patient_motion import PatientMotion
 
 
@@ -29,11 +37,14 @@ class Scene:
     """The scene's systems in the builder, and what is true about it.
 
     Attributes:
-        plant: The arm's MultibodyPlant, named `plant`, finalised.
-        scene_graph: Draws everything.
-        camera: The RgbdSensor named `camera`.
+        plant: The arm, named `plant`: a MultibodyPlant, finalised, or what stands for
+            it where the arm is kinematic.
+        arm_command: Its input: q, v (14).
+        arm_state: Its output: q, v (14).
+        scene_graph: Draws everything; None where nothing is drawn and nothing needs it.
+        camera: The RgbdSensor named `camera`; None where nothing is filmed.
         patient_motion: Moves the person.
-        arm: The arm's model instance.
+        arm: The arm's model instance in a MultibodyPlant.
         person: The true person: for verification and placing alone.
         person_frame: The person's frame M in the SceneGraph.
         skin: The parts of a person that bends; without parts of a rigid one.
@@ -43,11 +54,13 @@ class Scene:
         config: What it was built from.
     """
 
-    plant: MultibodyPlant
-    scene_graph: SceneGraph
-    camera: RgbdSensor
+    plant: MultibodyPlant | KinematicArm
+    arm_command: InputPort
+    arm_state: OutputPort
+    scene_graph: SceneGraph | None
+    camera: RgbdSensor | None
     patient_motion: PatientMotion
-    arm: ModelInstanceIndex
+    arm: ModelInstanceIndex | None
     person: Person
     person_frame: FrameId
     skin: tuple[SkinPart, ...]
@@ -61,23 +74,38 @@ class Scene:
         return true_person_pose(self.config, self.person, t)
 
 
+@dataclass(frozen=True, eq=False)
+class _Arm:
+    plant: MultibodyPlant | KinematicArm
+    command: InputPort
+    state: OutputPort
+    scene_graph: SceneGraph | None
+    instance: ModelInstanceIndex | None = None
+
+
 def add_scene(
     builder: DiagramBuilder,
     config: SceneConfig,
     *,
     person: Person | None = None,
     frame_period: float = 1.0 / 30.0,
+    films: bool = True,
+    draws: bool = True,
 ) -> Scene:
     """Adds the whole scene to a builder.
 
     The arm's gravity is carried by Drake's InverseDynamics, its commands go to the
-    plant's desired-state port of instance `arm` (14: q, v).
+    plant's desired-state port of instance `arm` (14: q, v). A kinematic arm has no
+    gravity.
 
     Args:
         builder: Not yet built.
         config: Every number of the scene.
         person: Already loaded; None loads the one `config.person` names.
         frame_period: Of the camera, s; see `add_studio`.
+        films: Whether there is a camera that renders.
+        draws: Whether room and person are drawn for somebody else. What is neither
+            filmed nor drawn is left out, and without a plant so is the SceneGraph.
 
     Raises:
         ScenarioError: If the person's folder is damaged.
@@ -87,6 +115,51 @@ def add_scene(
     if config.carer is not None:
         raise ValueError("where a carer washes there is no robot: film it instead")
     person = load_person(config.person) if person is None else person
+    seen = films or draws
+    if config.arm.fidelity == "kinematic":
+        arm = _kinematic_arm(builder, config, seen)
+    else:
+        arm = _dynamic_arm(builder, config)
+    if seen and arm.scene_graph is not None:
+        studio = add_studio(
+            builder,
+            arm.scene_graph,
+            config,
+            person,
+            frame_period=frame_period,
+            films=films,
+        )
+        add_pedestal(arm.scene_graph, studio.room, config.arm)
+        camera, motion, frame = (
+            studio.camera,
+            studio.patient_motion,
+            studio.person_frame,
+        )
+        skin, geometries, wound = studio.skin, studio.skin_geometries, studio.wound
+    else:
+        frame = FrameId.get_new_id()
+        motion = add_patient_motion(builder, config, person, frame)
+        camera, skin, geometries = None, (), ()
+        wound = true_wound(config, person)
+    return Scene(
+        plant=arm.plant,
+        arm_command=arm.command,
+        arm_state=arm.state,
+        scene_graph=arm.scene_graph,
+        camera=camera,
+        patient_motion=motion,
+        arm=arm.instance,
+        person=person,
+        person_frame=frame,
+        skin=skin,
+        skin_geometries=geometries,
+        wound=wound,
+        X_WC=at(config.camera.eye, RotationMatrix(config.camera.rotation())),
+        config=config,
+    )
+
+
+def _dynamic_arm(builder: DiagramBuilder, config: SceneConfig) -> _Arm:
     plant, scene_graph = AddMultibodyPlant(
         MultibodyPlantConfig(
             time_step=config.time_step, discrete_contact_approximation="sap"
@@ -99,21 +172,39 @@ def add_scene(
     plant.Finalize()
     plant.SetDefaultPositions(arm, home_position(config.arm))
     _compensate_gravity(builder, plant, arm)
-    studio = add_studio(builder, scene_graph, config, person, frame_period=frame_period)
-    add_pedestal(scene_graph, studio.room, config.arm)
-    return Scene(
-        plant=plant,
-        scene_graph=scene_graph,
-        camera=studio.camera,
-        patient_motion=studio.patient_motion,
-        arm=arm,
-        person=person,
-        person_frame=studio.person_frame,
-        skin=studio.skin,
-        skin_geometries=studio.skin_geometries,
-        wound=studio.wound,
-        X_WC=studio.X_WC,
-        config=config,
+    return _Arm(
+        plant,
+        plant.get_desired_state_input_port(arm),
+        plant.get_state_output_port(arm),
+        scene_graph,
+        arm,
+    )
+
+
+def _kinematic_arm(builder: DiagramBuilder, config: SceneConfig, seen: bool) -> _Arm:
+    arm = KinematicArm()
+    builder.AddNamedSystem("plant", arm)
+    scene_graph = None
+    if seen:
+        scene_graph = SceneGraph()
+        builder.AddNamedSystem("scene_graph", scene_graph)
+        model = MultibodyPlant(time_step=0.0)
+        source = model.RegisterAsSourceForSceneGraph(scene_graph)
+        add_arm(model, config.arm)
+        model.Finalize()
+        # Drake keeps a pointer to the model only: the arm keeps it alive.
+        arm.model = model
+        poses = MultibodyPositionToGeometryPose(model)
+        builder.AddNamedSystem("arm_geometry", poses)
+        builder.Connect(arm.GetOutputPort("arm_position"), poses.get_input_port())
+        builder.Connect(
+            poses.get_output_port(), scene_graph.get_source_pose_port(source)
+        )
+    return _Arm(
+        arm,
+        arm.GetInputPort("arm_desired_state"),
+        arm.GetOutputPort("arm_state"),
+        scene_graph,
     )
 
 

@@ -15,6 +15,7 @@ from bath_drake.perception.depth_sensor import CAMERA_MODELS
 from bath_drake.perception.faults import FaultsConfig, check_faults
 
 CAMERA_NOISES = ("none", *CAMERA_MODELS)
+FIDELITIES = ("dynamic", "kinematic")
 BACKGROUNDS = ("plain", "tan_wall", "dark_wall", "clutter", "second_person")
 
 
@@ -79,7 +80,7 @@ class CameraConfig:
 
 @dataclass(kw_only=True)
 class ArmConfig:
-    """Where the arm stands and how stiffly it follows its commands.
+    """Where the arm stands and how it follows its commands.
 
     Base, home and posture were searched for together, so that from home the nozzle
     gets to every side of every shipped person's back and through the region |x| <=
@@ -87,6 +88,8 @@ class ArmConfig:
     (`tests/test_reach.py`).
     """
 
+    # dynamic: masses, motors, gravity. kinematic: it is exactly where it is told.
+    fidelity: str = "dynamic"
     base_position: list[float] = field(
         default_factory=lambda: [-0.055, -0.01, 0.22]
     )  # m, W
@@ -191,6 +194,7 @@ def check_scene(config: SceneConfig) -> None:
     }.items():
         if not np.isfinite(value):
             raise ValueError(f"{name} must be finite, got {value}")
+    _check_name("arm.fidelity", arm.fidelity, FIDELITIES)
     _check_name("camera.model", camera.model, tuple(CAMERA_MODELS))
     _check_name("camera.noise", camera.noise, CAMERA_NOISES)
     if camera.colour_noise is not None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder, OutputPort
+from pydrake.systems.sensors import RgbdSensor
 
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter
 from bath_drake.perception.depth_sensor import CAMERA_MODELS
@@ -31,6 +32,15 @@ class CameraPorts:
     depth: OutputPort
     arm_position: OutputPort | None = None
     stamp: OutputPort | None = None
+
+
+def camera_ports(camera: RgbdSensor | None) -> CameraPorts:
+    """Returns the images of a scene's camera; RuntimeError if it has none."""
+    if camera is None:
+        raise RuntimeError("the scene has no camera")
+    return CameraPorts(
+        camera.color_image_output_port(), camera.depth_image_32F_output_port()
+    )
 
 
 def begin_recording(folder: Path, config: CameraConfig) -> RgbdWriter:

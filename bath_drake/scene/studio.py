@@ -1,5 +1,6 @@
 """What every Diagram's camera films: the room, the person on the stool, the camera."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,7 +63,7 @@ class Studio:
 
     Attributes:
         scene_graph: Draws everything.
-        camera: The RgbdSensor named `camera`.
+        camera: The RgbdSensor named `camera`; None where nothing is filmed.
         patient_motion: Moves the person.
         person: The true person.
         person_frame: The person's frame M in the SceneGraph.
@@ -74,7 +75,7 @@ class Studio:
     """
 
     scene_graph: SceneGraph
-    camera: RgbdSensor
+    camera: RgbdSensor | None
     patient_motion: PatientMotion
     person: Person
     person_frame: FrameId
@@ -92,6 +93,7 @@ def add_studio(
     person: Person,
     *,
     frame_period: float = 1.0 / 30.0,
+    films: bool = True,
 ) -> Studio:
     """Adds room, person and camera to a SceneGraph in a builder.
 
@@ -101,12 +103,14 @@ def add_studio(
         config: Every number of the scene.
         person: Who sits there.
         frame_period: Of the camera, s: a bending skin is moved for each frame.
+        films: Whether there is a camera that renders.
 
     Raises:
         ScenarioError: If the person is to bend and has no sound rig.
         ValueError: If the wound does not lie on the back.
     """
-    scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
+    if films:
+        scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
     room = scene_graph.RegisterSource("room")
     add_room(scene_graph, room, room_colours(config.background))
     add_background(scene_graph, room, config)
@@ -125,17 +129,9 @@ def add_studio(
         shells = {geometries[part.name]: part.shell for part in skin}
     else:
         _add_rigid_parts(scene_graph, source, frame, person, wound)
-    motion = PatientMotion(
-        frame_id=frame,
-        motion=config.motion,
-        person_position=np.array(config.person_position),
-        person_yaw=config.person_yaw,
-        hips=person.hips,
-        breath_direction=person.back_normal,
-        skin=shells,
-        frame_period=frame_period,
+    motion = add_patient_motion(
+        builder, config, person, frame, skin=shells, frame_period=frame_period
     )
-    builder.AddNamedSystem("patient_motion", motion)
     builder.Connect(
         motion.GetOutputPort("geometry_pose"), scene_graph.get_source_pose_port(source)
     )
@@ -147,7 +143,7 @@ def add_studio(
     if config.visitor is not None:
         add_visitor(builder, scene_graph, config.visitor)
     X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
-    camera = _add_camera(builder, scene_graph, config.camera, X_WC)
+    camera = _add_camera(builder, scene_graph, config.camera, X_WC) if films else None
     return Studio(
         scene_graph,
         camera,
@@ -160,6 +156,30 @@ def add_studio(
         wound,
         X_WC,
     )
+
+
+def add_patient_motion(
+    builder: DiagramBuilder,
+    config: SceneConfig,
+    person: Person,
+    frame: FrameId,
+    *,
+    skin: Mapping[GeometryId, BendingSkin] | None = None,
+    frame_period: float = 1.0 / 30.0,
+) -> PatientMotion:
+    """Adds the system `patient_motion`, with the geometries that it moves."""
+    motion = PatientMotion(
+        frame_id=frame,
+        motion=config.motion,
+        person_position=np.array(config.person_position),
+        person_yaw=config.person_yaw,
+        hips=person.hips,
+        breath_direction=person.back_normal,
+        skin=skin,
+        frame_period=frame_period,
+    )
+    builder.AddNamedSystem("patient_motion", motion)
+    return motion
 
 
 def true_person_pose(config: SceneConfig, person: Person, t: float) -> RigidTransform:

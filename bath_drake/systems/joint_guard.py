@@ -1,5 +1,6 @@
 """The guard at the robot command: the last thing before the arm."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,8 @@ class JointGuard(LeafSystem):
         self._frame = plant.GetFrameByName(NOZZLE_FRAME)
         # A scratch pad, written before every use: it remembers nothing.
         self._scratch = plant.CreateDefaultContext()
+        # A function of q alone, asked for by the update and again by who logs or plans.
+        self._at = lru_cache(maxsize=8)(self._kinematics)
         self._command = self.DeclareVectorInputPort("joint_command", 14)
         self._facts = FactPorts(self)
         start = JointTick(emitted=Emitted.at_rest(home))
@@ -136,18 +139,23 @@ class JointGuard(LeafSystem):
 
     def _update(self, context: Context, state: State) -> EventStatus:
         before = self.last_tick(context)
-        jacobian_W, jacobian_E = self._jacobians(before.emitted.q)
+        jacobian_W, condition = self._at(before.emitted.q.tobytes())
         tick = joint_tick(
             before,
             eval_vector(self._command, context),
             jacobian_W,
-            self._facts.read(context, condition_number(jacobian_E)),
+            self._facts.read(context, condition),
             joints=self._joints,
             dt=self._limits.loop.period,
             limits=self._limits,
         )
         state.get_mutable_abstract_state(int(self._state)).set_value(tick)
         return EventStatus.Succeeded()
+
+    def _kinematics(self, q: bytes) -> tuple[FloatArray, float]:
+        """The nozzle's Jacobian (6, 7) in W, and the condition number of that in E."""
+        J_W, J_E = self._jacobians(np.frombuffer(q))
+        return J_W, condition_number(J_E)
 
     def _jacobians(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The nozzle's (6, 7) at q, in W and in E."""
@@ -176,5 +184,5 @@ class JointGuard(LeafSystem):
         set_vector(output, [float(mode is not Mode.PASS)])
 
     def _calc_condition(self, context: Context, output: BasicVector) -> None:
-        _, jacobian_E = self._jacobians(self.last_tick(context).emitted.q)
-        set_vector(output, [condition_number(jacobian_E)])
+        _, condition = self._at(self.last_tick(context).emitted.q.tobytes())
+        set_vector(output, [condition])

@@ -45,13 +45,16 @@ class PatientMotion(LeafSystem):
         output_ports:
         - geometry_pose
         - body_pose
+        - trunk_bend
         - skin_configuration (only of a person that bends)
 
     `geometry_pose` (FramePoseVector) goes to the SceneGraph; `body_pose` (7) is
-    X_WM as quaternion w x y z and origin, m: the truth, for logs alone. Both are
-    functions of time. `skin_configuration` (GeometryConfigurationVector, m, W) is the
-    skin at the last frame; it is state, for whoever asks the SceneGraph anything
-    would have it computed anew at every step otherwise.
+    X_WM as quaternion w x y z and origin, m: the truth, for logs and for perception
+    that is ideal by decree; so is `trunk_bend` (4), the trunk's shape: flexion, side
+    bend and twist, rad, and the chest's swell, m. All three are functions of time.
+    `skin_configuration` (GeometryConfigurationVector, m, W) is the skin at the last
+    frame; it is state, for whoever asks the SceneGraph anything would have it computed
+    anew at every step otherwise.
     """
 
     def __init__(
@@ -101,6 +104,9 @@ class PatientMotion(LeafSystem):
         self.DeclareVectorOutputPort(
             "body_pose", 7, self._calc_body_pose, {self.time_ticket()}
         )
+        self.DeclareVectorOutputPort(
+            "trunk_bend", 4, self._calc_bend, {self.time_ticket()}
+        )
         self._skin = dict(skin or {})
         if self._skin:
             if not AHEAD_S < frame_period < float("inf"):
@@ -140,6 +146,10 @@ class PatientMotion(LeafSystem):
         X_WM = self._pose(context.get_time())
         quaternion = X_WM.rotation().ToQuaternion().wxyz()
         set_vector(output, np.concatenate([quaternion, X_WM.translation()]))
+
+    def _calc_bend(self, context: Context, output: BasicVector) -> None:
+        bend = trunk_bend(context.get_time(), self._motion)
+        set_vector(output, [bend.flexion, bend.side_bend, bend.twist, bend.swell])
 
 
 def _finite(name: str, values: FloatArray) -> FloatArray:

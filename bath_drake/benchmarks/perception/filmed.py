@@ -97,16 +97,18 @@ class Filmed:
         builder, scene_graph = DiagramBuilder(), SceneGraph()
         builder.AddNamedSystem("scene_graph", scene_graph)
         studio = add_studio(builder, scene_graph, self.scene, self.person)
+        camera = studio.camera
+        assert camera is not None  # it was asked for
         diagram = builder.Build()
         simulator = Simulator(diagram)
         simulator.Initialize()
-        view = studio.camera.GetMyContextFromRoot(simulator.get_context())
+        view = camera.GetMyContextFromRoot(simulator.get_context())
         around = triangles_around_back(self.person)
         for k, t in enumerate(times):
             simulator.AdvanceTo(float(t))
-            label: Any = studio.camera.label_image_output_port().Eval(view)
-            depth: Any = studio.camera.depth_image_32F_output_port().Eval(view)
-            colour: Any = studio.camera.color_image_output_port().Eval(view)
+            label: Any = camera.label_image_output_port().Eval(view)
+            depth: Any = camera.depth_image_32F_output_port().Eval(view)
+            colour: Any = camera.color_image_output_port().Eval(view)
             X_WM = true_person_pose(self.scene, self.person, float(t))
             bent = self.bending.points(trunk_bend(float(t), self.scene.motion))
             yield Frame(
