@@ -121,7 +121,7 @@ def _timed(
         now = context.get_time()
         for name, value in (
             ("body_observation", dataclasses.replace(seen, stamp=now)),
-            ("frame_status", [0.0, 0.0]),
+            ("frame_status", [0.0, 0.0, 0.0]),
             ("map_status", [1.0]),
             ("body_status", [0.01, 1.0]),
             ("surface_status", [1.0]),

@@ -16,7 +16,7 @@ from bath_drake.systems._ports import eval_value, eval_vector
 
 # Optional ports and their sizes. Unconnected, nobody watches that.
 OPTIONAL_PORTS = {
-    "frame_status": 2,  # share of invalid pixels; 1 if frames are frozen
+    "frame_status": 3,  # share of invalid pixels; 1 if frozen; 1 if stamps went back
     "map_status": 1,
     "body_status": 2,  # speed of the skin, m/s; how many people
     "surface_status": 1,
@@ -71,8 +71,12 @@ class FactPorts:
             if fact in given:
                 found[fact] = float(given[fact][0])
         if "frame_status" in given:
-            share, frozen = given["frame_status"].tolist()
-            found |= {"invalid_share": share, "frame_frozen": not frozen < 0.5}
+            share, frozen, back = given["frame_status"].tolist()
+            found |= {
+                "invalid_share": share,
+                "frame_frozen": not frozen < 0.5,
+                "frame_stamp_bad": not back < 0.5,
+            }
         if "body_status" in given:
             speed, bodies = given["body_status"].tolist()
             whole = int(bodies) if isfinite(bodies) else 0

@@ -45,7 +45,7 @@ COMMAND = np.concatenate([HOME + 1e-4, np.full(7, 0.02)])
 NORMAL = (0.0, -1.0, 0.0)
 # What every optional port says where all is well, but for what is only passed on.
 WELL = {
-    "frame_status": [0.1, 0.0],
+    "frame_status": [0.1, 0.0, 0.0],
     "map_status": [1.0],
     "body_status": [0.01, 1.0],
     "surface_status": [1.0],
@@ -62,10 +62,12 @@ WELL = {
 }
 # One port that says what is wrong, and the reason it is.
 WRONG = [
-    ("frame_status", [0.4, 0.0], Reason.FRAME_INVALID),
-    ("frame_status", [0.0, 1.0], Reason.FRAME_FROZEN),
-    ("frame_status", [nan, 0.0], Reason.FACT_NOT_FINITE),
-    ("frame_status", [0.0, nan], Reason.FRAME_FROZEN),
+    ("frame_status", [0.4, 0.0, 0.0], Reason.FRAME_INVALID),
+    ("frame_status", [0.0, 1.0, 0.0], Reason.FRAME_FROZEN),
+    ("frame_status", [nan, 0.0, 0.0], Reason.FACT_NOT_FINITE),
+    ("frame_status", [0.0, nan, 0.0], Reason.FRAME_FROZEN),
+    ("frame_status", [0.0, 0.0, 1.0], Reason.FRAME_STAMP),
+    ("frame_status", [0.0, 0.0, nan], Reason.FRAME_STAMP),
     ("map_status", [0.0], Reason.BODY_JUMPED),
     ("map_status", [nan], Reason.BODY_JUMPED),
     ("body_status", [0.2, 1.0], Reason.BODY_FAST),
