@@ -11,7 +11,6 @@ from bath_drake.learning.skill import Skill
 from bath_drake.safety.limits import GuardLimits, load_limits
 from bath_drake.scenario import Scenario, approach_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
-from bath_drake.scene.arm_collisions import ArmCollisions
 from bath_drake.systems.approach_sequencer import ApproachSequencer
 from bath_drake.systems.arm_link import ArmLink
 from bath_drake.systems.canonical_guard import CanonicalGuard
@@ -80,7 +79,7 @@ def add_control(
             "canonical_guard": CanonicalGuard(limits=limits),
             "joint_guard": _joint_guard(arm, scenario, limits),
             "arm_link": ArmLink(),
-            "self_distance": SelfDistance(links=ArmCollisions(scenario.scene.arm)),
+            "self_distance": SelfDistance(),
             "force_sensor": ForceSensor(
                 seed=scenario.random_seed, period=limits.loop.period
             ),

@@ -76,7 +76,7 @@ def add_perception(
                 "frame_monitor": FrameMonitor(
                     camera=camera,
                     period=period,
-                    sees_frozen=scenario.scene.camera.noise != "none",
+                    watch_frozen=scenario.scene.camera.noise != "none",
                 ),
                 "body_monitor": BodyMonitor(
                     camera=camera,

@@ -12,6 +12,8 @@ from pydrake.systems.primitives import LogVectorOutput
 
 from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.skin import TrueSkin
+from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.self_distance import self_distance
 from bath_drake.scene.arm import home_position, make_control_plant
 from bath_drake.scene.config import ArmConfig, SceneConfig
 from bath_drake.scene.studio import true_person_pose
@@ -115,6 +117,8 @@ def check(name, stroke):
     low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
     # 0.08 is where the inverse kinematics would stop.
     assert np.minimum(q - low, high - q).min() > 0.25
+    nearest = min(self_distance(row) for row in q)
+    assert nearest > GuardLimits().joints.self_distance, nearest
 
 
 @pytest.mark.slow

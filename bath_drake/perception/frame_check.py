@@ -1,63 +1,110 @@
-"""What is wrong with a camera's frames, whatever they show."""
+"""Whether frames can be believed: their pixels, their stamps, frozen images."""
 
-import math
-import zlib
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-# So many equal images in a row are one image given again and again: noise repeats
-# itself once by accident sooner than twice.
-FROZEN_AFTER = 3
+from bath_drake.notation import FloatArray
+from bath_drake.shared import Shared
+
+# So many depth images in a row that are the same to the last bit are no measurements.
+FROZEN_FRAMES = 3
+# Stamps in steps of a period accumulate rounding, s.
+ROUNDING = 1e-9
 
 
-@dataclass(frozen=True)
-class FrameCheck:
-    """What is known after a frame.
+@dataclass(frozen=True, eq=False)
+class FrameCheck(Shared):
+    """What is known of a camera's frames so far.
 
     Attributes:
-        stamp: Of the frame before, or this one, whichever is later, s.
-        digest: Of its depth.
-        equal: How many images in a row were this very one, this one included.
-        invalid_share: Of its pixels, those whose depth is no number, or not positive;
-            what is out of the sensor's range says that much and is none of them.
-        went_back: Whether its stamp was before that of the frame before.
+        stamp: The latest so far, s; -inf before the first frame.
+        invalid_share: Of the newest frame's depth pixels, those that are not positive
+            and finite; 1 before the first frame.
+        repeats: How many frames in a row before it had the very same depth image.
+        stamp_bad: Whether the last stamp was before `stamp`, of the future, or none.
+        bits: (H, W) the newest depth image, bit for bit; None before the first frame.
     """
 
-    stamp: float = -math.inf
-    digest: int = 0
-    equal: int = 0
-    invalid_share: float = 0.0
-    went_back: bool = False
+    stamp: float = -inf
+    invalid_share: float = 1.0
+    repeats: int = 0
+    stamp_bad: bool = False
+    bits: NDArray[np.int32] | None = None
 
     @property
     def frozen(self) -> bool:
-        """Whether the camera gives one image again and again."""
-        return self.equal >= FROZEN_AFTER
+        """Whether the camera gives one frame again and again."""
+        return self.repeats >= FROZEN_FRAMES - 1
+
+    def status(self, *, watch_frozen: bool = True) -> FloatArray:
+        """Returns the guards' `frame_status` (3,): the share, frozen, stamp bad."""
+        frozen = watch_frozen and self.frozen
+        return np.array([self.invalid_share, float(frozen), float(self.stamp_bad)])
 
 
-def check_frame(
-    before: FrameCheck, stamp: float, depth: NDArray[np.float32]
+def stamp_is_new(check: FrameCheck, stamp: float, now: float) -> bool:
+    """Whether a stamp, s, is that of a frame not seen yet, at the time `now`, s."""
+    return check.stamp < stamp <= now + ROUNDING
+
+
+def without_new_frame(check: FrameCheck, stamp: float) -> FrameCheck:
+    """Returns what is known after a look at a stamp, s, that is no new frame's.
+
+    The latest stamp again says that no frame has come, and so does -inf before the
+    first; any other is bad, and is not kept: later frames must not be measured by it.
+    """
+    return FrameCheck(
+        check.stamp,
+        check.invalid_share,
+        check.repeats,
+        not abs(stamp - check.stamp) <= ROUNDING and stamp != check.stamp,
+        check.bits,
+    )
+
+
+def with_frame(
+    check: FrameCheck, depth: NDArray[np.float32], stamp: float
 ) -> FrameCheck:
-    """Checks the newest frame; one that has been checked changes nothing.
+    """Returns what is known after a new frame.
 
     Args:
-        before: What was known.
-        stamp: When it was taken, s; NaN counts as gone back.
-        depth: (H, W), m; infinite beyond the sensor's range.
+        check: What was known before it.
+        depth: (H, W), m; 0, NaN or infinite where nothing was measured.
+        stamp: When it was taken, s, later than all before.
+
+    The share is of the whole image: in front of walls 3 % of the pixels say nothing.
+
+    Raises:
+        ValueError: If the image is not of two dimensions or has no pixels.
     """
-    if stamp == before.stamp and not before.went_back:
-        return before
-    if stamp == -math.inf:
-        return before
-    went_back = not stamp >= before.stamp
-    digest = zlib.crc32(np.ascontiguousarray(depth).view(np.uint8).data)
-    invalid = np.count_nonzero(~(depth > 0.0))
-    return FrameCheck(
-        stamp=before.stamp if went_back else stamp,
-        digest=digest,
-        equal=before.equal + 1 if digest == before.digest and before.equal else 1,
-        invalid_share=float(invalid / max(depth.size, 1)),
-        went_back=went_back,
-    )
+    if depth.ndim != 2 or depth.size == 0:
+        raise ValueError(f"depth must have shape (H, W), got {depth.shape}")
+    # A copy: the image is the camera's, who may write the next one into it.
+    image = np.array(depth, dtype=np.float32, order="C")
+    bits = image.view(np.int32)
+    before = check.bits
+    if before is None or before.shape != bits.shape:
+        before = ~bits
+    invalid, changed = _count(image, bits, before)
+    bits.setflags(write=False)
+    repeats = 0 if changed else check.repeats + 1
+    return FrameCheck(stamp, invalid / image.size, repeats, False, bits)
+
+
+@njit(cache=True)
+def _count(
+    depth: NDArray[np.float32], bits: NDArray[np.int32], before: NDArray[np.int32]
+) -> tuple[int, int]:
+    """How many pixels say nothing, and how many differ from those before."""
+    invalid = changed = 0
+    for v in range(depth.shape[0]):
+        for u in range(depth.shape[1]):
+            z = depth[v, u]
+            # NaN is neither.
+            invalid += not (z > 0.0 and z < np.inf)
+            changed += bits[v, u] != before[v, u]
+    return invalid, changed

@@ -25,7 +25,7 @@ class GuardFacts:
         frame_stamp: When the newest frame was taken, s; not finite before the first.
         invalid_share: Of its pixels.
         frame_frozen: Whether the camera gives one frame again and again.
-        frame_went_back: Whether the stamp of the newest is before that of another.
+        frame_stamp_bad: Whether a frame's stamp went back or is none.
         body_found: Whether enough of the back is in sight.
         body_lost: Whether it has not been for longer than something passing by takes.
         map_believed: Whether the map is where a body can have come to.
@@ -50,7 +50,7 @@ class GuardFacts:
     frame_stamp: float
     invalid_share: float = 0.0
     frame_frozen: bool = False
-    frame_went_back: bool = False
+    frame_stamp_bad: bool = False
     body_found: bool = True
     body_lost: bool = False
     map_believed: bool = True
@@ -163,7 +163,7 @@ def _frame_reasons(
         # Of a camera that had spoken, no age can be told any more.
         yield Reason.FRAME_LOST if isfinite(memory.frame_stamp) else Reason.NO_FRAME
         return
-    went_back = facts.frame_went_back or stamp < memory.frame_stamp - ROUNDING
+    went_back = facts.frame_stamp_bad or stamp < memory.frame_stamp - ROUNDING
     if went_back or stamp > facts.now + ROUNDING:
         yield Reason.FRAME_STAMP
     if not facts.now - stamp <= frames.retreat_age + ROUNDING:

@@ -16,8 +16,7 @@ from bath_drake.systems._ports import eval_value, eval_vector
 
 # Optional ports and their sizes. Unconnected, nobody watches that.
 OPTIONAL_PORTS = {
-    # Share of invalid pixels; 1 if frames are frozen; 1 if a stamp went back.
-    "frame_status": 3,
+    "frame_status": 3,  # share of invalid pixels; 1 if frozen; 1 if stamps went back
     "map_status": 1,
     "body_status": 2,  # speed of the skin, m/s; how many people
     "surface_status": 1,
@@ -76,7 +75,7 @@ class FactPorts:
             found |= {
                 "invalid_share": share,
                 "frame_frozen": not frozen < 0.5,
-                "frame_went_back": not back < 0.5,
+                "frame_stamp_bad": not back < 0.5,
             }
         if "body_status" in given:
             speed, bodies = given["body_status"].tolist()

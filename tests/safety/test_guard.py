@@ -27,6 +27,7 @@ WRONG = [
     ({"frame_stamp": -0.51}, Reason.FRAME_LOST),
     ({"frame_stamp": 0.02}, Reason.FRAME_STAMP),
     ({"frame_frozen": True}, Reason.FRAME_FROZEN),
+    ({"frame_stamp_bad": True}, Reason.FRAME_STAMP),
     ({"body_found": False}, Reason.BODY_HIDDEN),
     ({"body_found": False, "body_lost": True}, Reason.BODY_LOST),
     ({"map_believed": False}, Reason.BODY_JUMPED),

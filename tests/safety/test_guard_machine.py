@@ -52,6 +52,7 @@ wrong_facts = st.fixed_dictionaries(
     optional={
         "invalid_share": anything,
         "frame_frozen": st.booleans(),
+        "frame_stamp_bad": st.booleans(),
         "body_found": st.booleans(),
         "body_lost": st.booleans(),
         "map_believed": st.booleans(),
