@@ -16,6 +16,7 @@ NAMES = (
     "capture",
     "perception",
     "guard",
+    "faults",
     "loop",
     "soak",
 )
@@ -83,6 +84,18 @@ def _guard(settings: Settings, progress: Progress) -> list[Figure]:
     return run(progress)
 
 
+def _faults(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.faults import run
+
+    return run(progress)
+
+
+def _soak(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.soak import run
+
+    return run(settings, progress)
+
+
 _LEARNING = frozenset({"held_out", "peers", "shapes", "quick"})
 BENCHMARKS = {
     "field": Benchmark(_field),
@@ -93,6 +106,8 @@ BENCHMARKS = {
     "capture": Benchmark(_capture),
     "perception": Benchmark(_perception),
     "guard": Benchmark(_guard),
+    "faults": Benchmark(_faults),
+    "soak": Benchmark(_soak, frozenset({"hours", "data"})),
 }
 
 
