@@ -42,6 +42,7 @@ from bath_drake.scene.sensing import (
 from bath_drake.scene.true_sight import true_sight
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.frame_recorder import WriteFrame
+from bath_drake.systems.guard_view import GuardView
 from bath_drake.systems.skin_view import DrawnPart, SkinView
 from bath_drake.wiring import connect
 
@@ -68,6 +69,8 @@ LOGGED_PORTS = (
 PERIODIC_PORTS = (("periodic_motion", "canonical_offset"),)
 # Who heeds what the camera saw, and when.
 _WATCHING = ("hold_supervisor", "canonical_guard", "joint_guard")
+# m, from the arm's base: beside it, where the viewer looks past.
+_LAMP = np.array([0.1, 0.45, 0.75])
 _LOG_PERIOD_S = 0.01
 _MESHCAT_PERIOD_S = 1.0 / 15.0
 
@@ -147,6 +150,14 @@ def build_reproduction(
         )
         visualizer.set_name("meshcat_visualizer")
         _add_skin_view(builder, scene, meshcat)
+    if meshcat is not None:
+        lamp = GuardView(
+            meshcat=meshcat,
+            place=np.array(scenario.scene.arm.base_position) + _LAMP,
+            period=_MESHCAT_PERIOD_S,
+        )
+        builder.AddNamedSystem("guard_view", lamp)
+        connect(builder, control["joint_guard"], "guard_mode", [lamp])
     diagram = builder.Build()
     diagram.set_name("reproduction")
     return diagram

@@ -176,7 +176,9 @@ def test_every_input_is_connected_or_optional(name):
         ("canonical_reference", "hold"),
         ("navigation_controller", "sensed_obstacles"),
         ("stage_sequencer", "sensed_obstacles"),
-        # What nobody measures yet, or the other guard watches.
+        # Only faults give frames a time of their own.
+        ("frame_monitor", "frame_stamp"),
+        # What the other guard watches; see test_guarded_paths for what must be.
         *(("canonical_guard", name) for name in OPTIONAL_PORTS),
         *(("joint_guard", name) for name in OPTIONAL_PORTS),
     }

@@ -5,6 +5,7 @@ from write_wiring import BUILDERS, shipped_diagram
 
 from bath_drake.control_diagram import guard_limits
 from bath_drake.scenario import ControlConfig, Scenario
+from bath_drake.systems._guard_facts import OPTIONAL_PORTS
 
 # In these the arm stands at home, by a constant, or there is none.
 STANDING = {name for name in BUILDERS if name.endswith("_perception")} | {
@@ -59,13 +60,16 @@ def test_the_canonical_velocity_goes_to_its_guard_alone(name):
 
 
 @pytest.mark.parametrize("name", DRIVEN)
-def test_the_inverse_kinematics_is_heard_by_the_joint_guard_and_the_log_alone(name):
+def test_the_inverse_kinematics_is_heard_by_the_joint_guard_and_its_aids_alone(name):
     fed = sources(shipped_diagram(name))
     raw = ("differential_ik", "joint_command")
     takers = {sink for sink, source in fed.items() if source == raw}
     assert {system for system, _ in takers if not system.startswith("log_")} == {
-        "joint_guard"
+        "joint_guard",
+        "self_distance",
     }
+    heeded = {s for (s, _), source in fed.items() if source[0] == "self_distance"}
+    assert heeded == {"joint_guard"}
 
 
 @pytest.mark.parametrize("name", DRIVEN)
@@ -77,6 +81,20 @@ def test_what_the_guard_holds_is_held_where_it_is_planned(name):
         "joint_guard",
         "checked_command",
     )
+
+
+# An operator's reset has no source in simulation; the joint command is of this tick.
+UNWATCHED = {"reset", "command_stamp"}
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_the_joint_guard_watches_all_that_there_is_to_watch(name):
+    fed = {
+        port
+        for system, port in sources(shipped_diagram(name))
+        if system == "joint_guard"
+    }
+    assert set(OPTIONAL_PORTS) - fed == UNWATCHED
 
 
 @pytest.mark.parametrize(("asked", "kept"), [(0.05, 0.05), (0.1, 0.1), (0.4, 0.1)])

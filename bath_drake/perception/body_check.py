@@ -18,6 +18,10 @@ VOXEL = 0.08
 _REACH = 2
 # Less surface than this, m^2, is a flying pixel, a drop, or a cable; a hand is more.
 LEAST_AREA = 0.01
+# From frame to frame a back that moves shows no more than this share less or more.
+_SAME_VIEW = 0.12
+# The map is some frames on its way when another part of the back is seen, s.
+SETTLING = 0.3
 # Corners and middle of the back, in N.
 _PLACES = np.array([[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 
@@ -28,21 +32,25 @@ class BodyCheck(Shared):
 
     Attributes:
         stamps: Of the last frames with a map, s.
+        area: Of the back that the last of them showed, m^2.
         places: For each, the back's middle and corners in W, m: (5, 3).
         known: Voxels of the workspace box in which the person, or what stood there
             from the beginning, has been seen; None before the first back.
         others: How many more there are in the box.
+        settled: From when on the map's motion is the body's, s.
     """
 
     stamps: tuple[float, ...] = ()
+    area: float = 0.0
     places: tuple[FloatArray, ...] = ()
     known: BoolArray | None = field(default=None)
     others: int = 0
+    settled: float = -np.inf
 
     @property
     def speed(self) -> float:
         """Of the back's fastest corner over the last frames, m/s; 0 of one frame."""
-        if len(self.stamps) < 2:
+        if len(self.stamps) < 2 or self.stamps[-1] < self.settled:
             return 0.0
         way = np.linalg.norm(self.places[-1] - self.places[0], axis=1).max()
         return float(way / (self.stamps[-1] - self.stamps[0]))
@@ -52,6 +60,7 @@ def check_body(
     before: BodyCheck,
     stamp: float,
     canonical_map: CanonicalMap | None,
+    area: float,
     voxels: IntArray,
     back_voxels: IntArray,
 ) -> BodyCheck:
@@ -64,6 +73,7 @@ def check_body(
         before: What was known.
         stamp: When it was taken, s.
         canonical_map: Of this frame; None if no back was found.
+        area: Of the back that it shows, m^2.
         voxels: (a, b, c) how many m^2 of surface, in units of 1e-4, each voxel of the
             box shows, the robot's own left out.
         back_voxels: Likewise, of the back alone.
@@ -72,13 +82,20 @@ def check_body(
     if stamps and not stamp > stamps[-1]:
         return before
     if canonical_map is None:
-        return BodyCheck((), (), before.known, before.others)
+        settled = stamp + SETTLING
+        return BodyCheck(known=before.known, others=before.others, settled=settled)
+    settled = before.settled
+    if not abs(area - before.area) <= _SAME_VIEW * before.area:
+        # Something came before the back, or went: its box is another, it did not move.
+        stamps, places, settled = (), (), stamp + SETTLING
     now = canonical_map.world_from_canonical(_PLACES)
+    if before.known is None:
+        settled = stamp
     stamps = (*stamps, stamp)[-SPEED_FRAMES - 1 :]
     places = (*places, now)[-SPEED_FRAMES - 1 :]
     filled = voxels > 0
     if before.known is None:
-        return BodyCheck(stamps, places, _grown(filled), 0)
+        return BodyCheck(stamps, area, places, _grown(filled), settled=settled)
     labels, count = ndimage.label(filled, structure=np.ones((3, 3, 3)))
     own = np.zeros(count + 1, dtype=bool)
     own[np.unique(labels[back_voxels > 0])] = True
@@ -91,7 +108,7 @@ def check_body(
     # Whoever touches the person is none of them.
     if not other.any():
         known = known | _grown(filled & own[labels] & (labels > 0))
-    return BodyCheck(stamps, places, known, int(np.count_nonzero(other)))
+    return BodyCheck(stamps, area, places, known, int(np.count_nonzero(other)), settled)
 
 
 def _grown(filled: BoolArray) -> BoolArray:

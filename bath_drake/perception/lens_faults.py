@@ -95,21 +95,11 @@ def with_lens_faults(
 
 
 def _shifted(image: NDArray[_Pixel], pixels: list[int]) -> NDArray[_Pixel]:
-    """The image moved by columns and rows; nothing is seen where it was."""
-    height, width = image.shape[:2]
-    moved = np.zeros_like(image)
+    """The image moved by columns and rows; its edge goes on where nothing was."""
     du, dv = pixels
-    if abs(du) < width and abs(dv) < height:
-        rows, columns = (
-            slice(max(dv, 0), height + min(dv, 0)),
-            slice(max(du, 0), width + min(du, 0)),
-        )
-        old_rows, old_columns = (
-            slice(max(-dv, 0), height + min(-dv, 0)),
-            slice(max(-du, 0), width + min(-du, 0)),
-        )
-        moved[rows, columns] = image[old_rows, old_columns]
-    return moved
+    rows = np.clip(np.arange(image.shape[0]) - dv, 0, image.shape[0] - 1)
+    columns = np.clip(np.arange(image.shape[1]) - du, 0, image.shape[1] - 1)
+    return image[rows[:, None], columns]
 
 
 def _disc(

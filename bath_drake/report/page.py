@@ -25,6 +25,7 @@ from bath_drake.report.tables import (
     check_rows,
     frechet_rows,
     frechet_text,
+    guard_rows,
     hold_rows,
     milliseconds,
     number,
@@ -112,6 +113,7 @@ def render_report(run: RunData) -> str:
         certificate=certificate_rows(run),
         certificate_text=certificate_text(run.evaluation.world.certificate),
         holds=hold_rows(run.metrics["holds"]),
+        guard=guard_rows(run.metrics.get("guard_s", {})),
         provenance=provenance(run),
         command=_command(run),
         meshcat=(run.folder / "meshcat.html").is_file(),
@@ -227,7 +229,8 @@ def _pictures(run: RunData) -> dict[str, _Picture]:
         "time",
         time_figures.draw_over_time(run),
         "Distances, errors, speed and timing over time",
-        "Shaded: lining up and coming down. Yellow: the robot holds. Dashed: limits.",
+        "Shaded: lining up and coming down. The guard: yellow where it holds, orange "
+        "where it retreats, red where it has stopped. Dashed: limits.",
     )
     if frame is not None:
         _add_camera_pictures(run, add)

@@ -153,6 +153,12 @@ def hold_rows(holds: Mapping[str, float]) -> list[tuple[str, int]]:
     return [(words(n), known.get(n, 0)) for n in dict.fromkeys([*names, *known])]
 
 
+def guard_rows(seconds: Mapping[str, float]) -> list[tuple[str, str]]:
+    """For how long the guard let nothing pass, by reason, the longest first."""
+    longest = sorted(seconds.items(), key=lambda item: -item[1])
+    return [(words(name), f"{time:.2f} s") for name, time in longest]
+
+
 def provenance(run: RunData) -> list[tuple[str, str]]:
     """Seed, versions and the demonstrations' hashes."""
     rows = [("seed", str(run.metrics["seed"]))]

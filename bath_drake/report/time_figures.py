@@ -12,6 +12,7 @@ from bath_drake.notation import FloatArray
 from bath_drake.report import style
 from bath_drake.report.run_data import RunData
 from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Mode
 
 _PHASE_NAMES = {
     Phase.REACH: "line up",
@@ -29,6 +30,9 @@ class _Panel:
     value: FloatArray
     limits: tuple[tuple[float, str], ...] = ()
     colour: str = style.INK
+
+
+_MODES = {Mode.HOLD: style.BOX, Mode.RETREAT: style.RETREAT, Mode.STOP: style.FAIL}
 
 
 def draw_over_time(run: RunData) -> Figure:
@@ -180,9 +184,13 @@ def _shade_phases(axes: Axes, run: RunData) -> None:
 
 
 def _mark_holds(axes: Axes, run: RunData) -> None:
-    for start, end, reason in _spans(run.log.time, run.log.hold_reason):
-        if reason != HoldReason.NONE:
-            axes.axvspan(start, end, color=style.BOX, alpha=0.4, lw=0, zorder=0.5)
+    # Older logs know only what planning was told to hold for.
+    held = (run.log.hold_reason != HoldReason.NONE).astype(float)
+    mode = np.maximum(run.log.guard_mode, held * Mode.HOLD)
+    for start, end, now in _spans(run.log.time, mode):
+        if now != Mode.PASS:
+            colour = _MODES[Mode(now)]
+            axes.axvspan(start, end, color=colour, alpha=0.4, lw=0, zorder=0.5)
 
 
 def _name_phases(axes: Axes, run: RunData) -> None:

@@ -119,6 +119,7 @@ class BodyMonitor(LeafSystem):
             last,
             observation.stamp,
             found,
+            observation.area,
             filled_voxels(points[seen], areas[seen], *self._box),
             filled_voxels(back, np.ones(len(back)), *self._box),
         )

@@ -33,8 +33,9 @@ PERSON = blob([0.4, 0.5, 0.5])
 def after(frames):
     """What is known after frames of (map, all voxels)."""
     check = BodyCheck()
-    for k, (canonical_map, voxels) in enumerate(frames):
-        check = check_body(check, k * FRAME, canonical_map, voxels, PERSON)
+    for k, (canonical_map, voxels, *more) in enumerate(frames):
+        area = more[0] if more else 0.09
+        check = check_body(check, k * FRAME, canonical_map, area, voxels, PERSON)
     return check
 
 
@@ -49,6 +50,15 @@ def test_a_push_is_seen_within_the_frames_of_the_window():
     pushed = [(map_at(0.3 * k * FRAME), PERSON) for k in range(1, SPEED_FRAMES + 1)]
     assert after(still).speed == 0.0
     assert after(still + pushed).speed == pytest.approx(0.3)
+
+
+def test_a_back_of_which_another_part_is_seen_has_not_moved():
+    frames = [(map_at(), PERSON)] * 3 + [(map_at(0.1), PERSON, 0.06)]
+    assert after(frames).speed == 0.0
+    # Nor while its map is still on its way; but then it is watched again.
+    on = [(map_at(0.1 + 0.3 * k * FRAME), PERSON, 0.06) for k in range(1, 13)]
+    assert after(frames + on[:6]).speed == 0.0
+    assert after(frames + on).speed == pytest.approx(0.3)
 
 
 def test_without_a_map_there_is_no_speed_and_none_across_the_gap():
@@ -74,7 +84,7 @@ def test_specks_and_pieces_that_the_robot_cuts_off_are_nobody():
 
 def test_a_frame_that_is_no_later_changes_nothing():
     check = after([(map_at(), PERSON)] * 2)
-    assert check_body(check, FRAME, map_at(1.0), PERSON, PERSON) is check
+    assert check_body(check, FRAME, map_at(1.0), 0.09, PERSON, PERSON) is check
 
 
 def test_points_out_of_the_box_and_no_points_fill_nothing():
