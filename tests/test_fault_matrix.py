@@ -39,6 +39,7 @@ def test_what_the_issue_lets_go_on_goes_on_and_nothing_else():
     assert going == {18, 19}
 
 
+@pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.parametrize("path", QUICK, ids=lambda path: path.stem)
 def test_a_fault_that_no_camera_sees_leads_to_what_its_row_says(path):
@@ -47,6 +48,7 @@ def test_a_fault_that_no_camera_sees_leads_to_what_its_row_says(path):
 
 
 @pytest.mark.exhaustive
+@pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.render
 @pytest.mark.parametrize("path", SEEN, ids=lambda path: path.stem)

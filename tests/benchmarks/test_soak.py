@@ -67,6 +67,7 @@ def test_an_entry_or_growth_misses_the_targets():
     assert missed == ["soak_memory_growth_of_a_body"]
 
 
+@pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.render
 def test_two_minutes_of_soak_enter_nothing_and_emit_numbers_alone():
