@@ -21,7 +21,7 @@ LEAST_AREA = 0.01
 # From frame to frame a back that moves shows no more than this share less or more.
 _SAME_VIEW = 0.12
 # The map is some frames on its way when another part of the back is seen, s.
-SETTLING = 0.3
+SETTLING = 0.6
 # Corners and middle of the back, in N.
 _PLACES = np.array([[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 

@@ -56,8 +56,8 @@ def test_a_back_of_which_another_part_is_seen_has_not_moved():
     frames = [(map_at(), PERSON)] * 3 + [(map_at(0.1), PERSON, 0.06)]
     assert after(frames).speed == 0.0
     # Nor while its map is still on its way; but then it is watched again.
-    on = [(map_at(0.1 + 0.3 * k * FRAME), PERSON, 0.06) for k in range(1, 13)]
-    assert after(frames + on[:6]).speed == 0.0
+    on = [(map_at(0.1 + 0.3 * k * FRAME), PERSON, 0.06) for k in range(1, 24)]
+    assert after(frames + on[:12]).speed == 0.0
     assert after(frames + on).speed == pytest.approx(0.3)
 
 
