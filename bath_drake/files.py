@@ -84,6 +84,14 @@ def check_output(path: str | Path, *, error: _Error = BathDrakeError) -> None:
         raise error(f"{path}: folder {path.parent} cannot be written to")
 
 
+def remove(path: Path, *, error: _Error = BathDrakeError) -> None:
+    """Removes a file, if there is one; raises `error` if that cannot be."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as problem:
+        raise error(f"{path}: cannot be replaced: {problem.strerror}") from None
+
+
 def write_atomically(
     path: str | Path,
     content: str | bytes | Callable[[Path], None],
@@ -120,11 +128,21 @@ def write_atomically(
         os.umask(mask := os.umask(0))
         os.chmod(temporary, 0o666 & ~mask)
         os.replace(temporary, path)
+        _sync_folder(Path(path).parent)
     except OSError as problem:
         raise error(f"{path}: cannot be written: {problem.strerror}") from None
     finally:
         if temporary:  # after the rename there is nothing left of it
             Path(temporary).unlink(missing_ok=True)
+
+
+def _sync_folder(folder: Path) -> None:
+    """After a power cut the file has its name as well."""
+    held = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(held)
+    finally:
+        os.close(held)
 
 
 def write_all(files: dict[Path, bytes], *, error: _Error = BathDrakeError) -> None:

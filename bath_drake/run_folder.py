@@ -8,7 +8,7 @@ from pydrake.geometry import Meshcat
 
 from bath_drake.diagrams import build_reproduction
 from bath_drake.errors import RunFolderError
-from bath_drake.files import write_atomically
+from bath_drake.files import remove, write_atomically
 from bath_drake.learning.skill import Skill
 from bath_drake.meshcat_skin import BackPose, record_skin
 from bath_drake.meshcat_view import record_overlays, write_static_page
@@ -56,7 +56,7 @@ def simulate_into(
     """
     # A stale verdict must not stand beside a run that fails half-way.
     for name in (LOG, METRICS, REPORT, PAGE):
-        (folder / name).unlink(missing_ok=True)
+        remove(folder / name, error=RunFolderError)
     write_atomically(folder / SCENARIO, dump_scenario(scenario), error=RunFolderError)
     save_skill(folder / SKILL, skill)
     diagram = build_reproduction(

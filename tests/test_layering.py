@@ -26,7 +26,7 @@ PURE = (
 ORDER = (
     ("errors", "notation", "resources", "shared", "doctor"),
     ("threads",),
-    ("files",),
+    ("files", "folder_lock"),
     ("yaml_io", "yaml_block"),
     ("schema", "field"),
     ("certificate",),

@@ -12,6 +12,7 @@ from tqdm import tqdm
 from bath_drake.carer_recording import record_carer
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter, check_recording_output
 from bath_drake.errors import ScenarioError
+from bath_drake.folder_lock import locked
 from bath_drake.learning.skill import Skill
 from bath_drake.recording_diagram import build_recording
 from bath_drake.run_folder import (
@@ -93,7 +94,7 @@ def run_and_report(
     meshcat = Meshcat()
     if live:
         print(f"Meshcat: {meshcat.web_url()}", flush=True)
-    with simulation_bar(scenario.duration) as progress:
+    with locked(folder), simulation_bar(scenario.duration) as progress:
         evaluation = simulate_into(
             folder,
             scenario,

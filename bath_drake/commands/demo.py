@@ -15,6 +15,7 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if the verification passes, 1 if not."""
     from bath_drake.commands import learn
     from bath_drake.commands._options import run_and_report
+    from bath_drake.folder_lock import locked
     from bath_drake.run_folder import make_run_folder
     from bath_drake.scenario import find_demonstration, load_scenario
     from bath_drake.skill_file import load_skill
@@ -28,7 +29,8 @@ def run(options: argparse.Namespace) -> int:
         words.append("--resume")  # the demo before was stopped while it learned
     parser = argparse.ArgumentParser()
     learn.add_arguments(parser)
-    learned = learn.run(parser.parse_args(words))
+    with locked(options.out):
+        learned = learn.run(parser.parse_args(words))
     if learned != 0:
         return learned
     return run_and_report(options.out, scenario, load_skill(skill_path), live=False)

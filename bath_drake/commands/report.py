@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from bath_drake.folder_lock import locked
 from bath_drake.report.page import write_report
 
 
@@ -13,5 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Writes report.html, prints its path; returns 0."""
-    print(write_report(options.folder))
+    with locked(options.folder):
+        page = write_report(options.folder)
+    print(page)
     return 0

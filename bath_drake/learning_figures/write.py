@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.errors import BathDrakeError
-from bath_drake.files import write_atomically
+from bath_drake.files import remove, write_atomically
 from bath_drake.learning.generalisation import Generalisation
 from bath_drake.learning.held_out import HeldOut
 from bath_drake.learning.learner import LearningResult
@@ -75,7 +75,7 @@ def write_learning_figures(
         for name in NAMES:
             path, figure = picture_path(skill, name), figures.get(name)
             if figure is None:
-                path.unlink(missing_ok=True)
+                remove(path)
                 continue
             _write(path, figure)
             written.append(path)

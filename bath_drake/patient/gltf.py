@@ -68,23 +68,30 @@ def _part(gltf: dict[str, Any]) -> Part:
     (mesh,) = gltf["meshes"]
     (primitive,) = mesh["primitives"]
     material = gltf["materials"][primitive["material"]]["pbrMetallicRoughness"]
-    positions = _array(gltf, primitive["attributes"]["POSITION"]).astype(np.float64)
+    # A NaN that signals warns as it is cast; whether all is finite is asked later.
+    with np.errstate(invalid="ignore"):
+        positions = _array(gltf, primitive["attributes"]["POSITION"], "f").astype(float)
     x, y, z = positions.T
     return Part(
         vertices=np.column_stack([x, -z, y]),
-        triangles=_array(gltf, primitive["indices"]).astype(np.int64).reshape(-1, 3),
+        triangles=_array(gltf, primitive["indices"], "u")
+        .astype(np.int64)
+        .reshape(-1, 3),
         rgba=np.array(material["baseColorFactor"], dtype=np.float64),
     )
 
 
-def _array(gltf: dict[str, Any], index: int) -> np.ndarray[Any, Any]:
+def _array(gltf: dict[str, Any], index: int, kinds: str) -> np.ndarray[Any, Any]:
     accessor = gltf["accessors"][index]
     view = gltf["bufferViews"][accessor["bufferView"]]
     uri = gltf["buffers"][view["buffer"]]["uri"]
     data = base64.b64decode(uri.split("base64,", 1)[1], validate=True)
     width = _WIDTHS[accessor["type"]]
     start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-    kind = _TYPES[accessor["componentType"]]
+    kind = np.dtype(_TYPES[accessor["componentType"]])
+    if kind.kind not in kinds:
+        allowed = {"f": "float32", "u": "unsigned integers"}[kinds]
+        raise ValueError(f"found {kind.name}, allowed {allowed}")
     flat = np.frombuffer(data, kind, accessor["count"] * width, start)
     return flat.reshape(-1, width) if width > 1 else flat
 
