@@ -82,7 +82,7 @@ def test_a_late_frame_is_as_old_as_it_is(delay, reason):
             assert found == reason
 
 
-def test_faults_stand_between_the_camera_and_the_segmenter_alone():
+def test_faults_stand_between_the_camera_and_all_who_look_at_its_frames():
     plain = set(wiring_lines(loop()))
     faulty = set(wiring_lines(loop(frozen=FrameFault(begin=1.0))))
     assert faulty - plain == {
@@ -92,9 +92,12 @@ def test_faults_stand_between_the_camera_and_the_segmenter_alone():
         "camera_faults.arm_position -> body_segmenter.arm_position",
         "camera_faults.colour_image -> body_segmenter.colour_image",
         "camera_faults.depth_image -> body_segmenter.depth_image",
+        "camera_faults.depth_image -> body_monitor.depth_image",
+        "camera_faults.depth_image -> frame_monitor.depth_image",
         "camera_faults.frame_stamp -> body_segmenter.frame_stamp",
+        "camera_faults.frame_stamp -> frame_monitor.frame_stamp",
     }
-    assert len(plain - faulty) == 3
+    assert len(plain - faulty) == 5
 
 
 def test_colour_noise_is_one_more_system_on_its_way():

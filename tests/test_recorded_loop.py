@@ -55,7 +55,12 @@ def test_recorder_and_noise_add_their_own_wires_and_move_one(recorded):
     assert noisy - plain == {
         "camera.color_image -> frame_recorder.colour_image",
         "camera.depth_image_32f -> depth_noise.depth_image",
+        "depth_noise.noisy_depth_image -> body_monitor.depth_image",
         "depth_noise.noisy_depth_image -> body_segmenter.depth_image",
+        "depth_noise.noisy_depth_image -> frame_monitor.depth_image",
         "depth_noise.noisy_depth_image -> frame_recorder.depth_image",
     }
-    assert plain - noisy == {"camera.depth_image_32f -> body_segmenter.depth_image"}
+    assert plain - noisy == {
+        f"camera.depth_image_32f -> {taker}.depth_image"
+        for taker in ("body_monitor", "body_segmenter", "frame_monitor")
+    }
