@@ -285,8 +285,8 @@ def test_a_skill_whose_world_traps_never_moves_the_arm():
 def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
     add_scene = diagrams.add_scene
 
-    def add_shuttered_scene(builder, config, *, frame_period):
-        scene = add_scene(builder, config, frame_period=frame_period)
+    def add_shuttered_scene(builder, config, **choices):
+        scene = add_scene(builder, config, **choices)
         shutter = builder.AddNamedSystem("shutter", Shutter(config.camera, DARK_FROM_S))
         for port, name in (
             (scene.camera.color_image_output_port(), "colour"),
