@@ -19,8 +19,6 @@ from bath_drake.scenario import load_scenario
 
 PATHS = fault_scenarios()
 SCENARIOS = {path: load_scenario(path) for path in PATHS}
-SEEN = [path for path in PATHS if SCENARIOS[path].perception.source == "camera"]
-QUICK = [path for path in PATHS if path not in SEEN]
 ROWS = 34
 
 
@@ -34,25 +32,23 @@ def test_every_row_but_that_of_a_damaged_skill_has_its_scenario():
         assert int(path.name[:2]) == row(path)
 
 
-def test_what_the_issue_lets_go_on_goes_on_and_nothing_else():
+def test_overlapping_areas_and_one_across_the_rim_alone_go_on():
     going = {row(p) for p in PATHS if SCENARIOS[p].expect.reaction == "go_on"}
     assert going == {18, 19}
 
 
-@pytest.mark.faults
-@pytest.mark.slow
-@pytest.mark.parametrize("path", QUICK, ids=lambda path: path.stem)
-def test_a_fault_that_no_camera_sees_leads_to_what_its_row_says(path):
-    found = fault_row(path)
-    assert found["as expected"], found
+def cases():
+    """Every scenario; those through the camera take minutes together."""
+    for path in PATHS:
+        seen = SCENARIOS[path].perception.source == "camera"
+        marks = (pytest.mark.exhaustive, pytest.mark.render) if seen else ()
+        yield pytest.param(path, id=path.stem, marks=marks)
 
 
-@pytest.mark.exhaustive
 @pytest.mark.faults
 @pytest.mark.slow
-@pytest.mark.render
-@pytest.mark.parametrize("path", SEEN, ids=lambda path: path.stem)
-def test_a_fault_that_the_camera_sees_leads_to_what_its_row_says(path):
+@pytest.mark.parametrize("path", [*cases()])
+def test_a_fault_leads_to_what_its_row_says(path):
     found = fault_row(path)
     assert found["as expected"], found
 

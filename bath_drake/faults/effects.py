@@ -5,14 +5,7 @@ import numpy as np
 from bath_drake.faults.script import AreaFault, SignalFault
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.notation import FloatArray
-
-# Time stamps in steps of a period accumulate rounding, s.
-_ROUNDING = 1e-9
-
-
-def active(fault: SignalFault | AreaFault, t: float) -> bool:
-    """Whether a fault is on at a time, s; at its end it is not."""
-    return fault.begin - _ROUNDING <= t < fault.end - _ROUNDING
+from bath_drake.perception.faults import within
 
 
 def faulty_signal(
@@ -26,7 +19,7 @@ def faulty_signal(
         fault: What is wrong with it.
         t: Time, s.
     """
-    if not active(fault, t):
+    if not within(fault, t):
         return value
     wrong = np.array(value, dtype=np.float64)
     which = fault.elements or slice(None)
@@ -73,6 +66,6 @@ def areas_at(
     rows = [
         area_row(fault, t, tools[k])
         for k, fault in enumerate(faults)
-        if active(fault, t) and k in tools
+        if within(fault, t) and k in tools
     ]
     return ObstacleSet(np.array(rows).reshape(-1, 5))

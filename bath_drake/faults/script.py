@@ -3,11 +3,13 @@
 import math
 from dataclasses import dataclass, field
 
+from bath_drake.perception.faults import Spell, check_spell
+
 KINDS = ("nan", "constant", "offset", "ramp", "frozen", "drift")
 
 
 @dataclass(kw_only=True)
-class SignalFault:
+class SignalFault(Spell):
     """A vector port whose readers get something else for a while.
 
     Kinds: `nan`; `constant`, the value itself; `offset`, the value more; `ramp`, the
@@ -19,12 +21,10 @@ class SignalFault:
     kind: str = "nan"
     value: float = 0.0
     elements: list[int] = field(default_factory=list)  # none given: all
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
 
 
 @dataclass(kw_only=True)
-class AreaFault:
+class AreaFault(Spell):
     """A restricted area that nobody sees come: an ellipse in N from one moment on."""
 
     centre: list[float] = field(default_factory=lambda: [0.0, 0.0])
@@ -32,8 +32,6 @@ class AreaFault:
     angle: float = 0.0  # rad, counter-clockwise
     from_tool: bool = False  # the centre counts from where the nozzle is as it begins
     velocity: list[float] = field(default_factory=lambda: [0.0, 0.0])  # 1/s
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
 
 
 @dataclass(kw_only=True)
@@ -57,7 +55,7 @@ _LARGEST = 1e300
 def check_script(script: FaultScript) -> None:
     """Raises ValueError naming the key that makes no fault, and what is allowed."""
     for k, fault in enumerate(script.signals):
-        _check_times(f"signals[{k}]", fault.begin, fault.end)
+        check_spell(f"signals[{k}]", fault)
         _check_signal(f"signals[{k}]", fault)
     ports = [fault.port for fault in script.signals]
     for k, port in enumerate(ports):
@@ -66,7 +64,7 @@ def check_script(script: FaultScript) -> None:
                 f"signals[{k}].port: found {port} once more, allowed one fault a port"
             )
     for k, area in enumerate(script.areas):
-        _check_times(f"areas[{k}]", area.begin, area.end)
+        check_spell(f"areas[{k}]", area)
         for name in ("centre", "semi_axes", "velocity"):
             values = getattr(area, name)
             if len(values) != 2 or not all(map(math.isfinite, values)):
@@ -81,13 +79,6 @@ def check_script(script: FaultScript) -> None:
             raise ValueError(
                 f"areas[{k}].angle: found {area.angle}, allowed a finite number"
             )
-
-
-def _check_times(key: str, begin: float, end: float) -> None:
-    if not 0.0 <= begin < end < math.inf:
-        raise ValueError(
-            f"{key}: found begin {begin} and end {end}, allowed 0 and up, the end later"
-        )
 
 
 def _check_signal(key: str, fault: SignalFault) -> None:

@@ -6,6 +6,7 @@ from bath_drake.faults.effects import area_row
 from bath_drake.faults.script import AreaFault
 from bath_drake.field.obstacles import ObstacleSet, beta
 from bath_drake.notation import BoolArray, FloatArray
+from bath_drake.perception.faults import within
 
 
 def _inside(area: FloatArray, points: FloatArray) -> BoolArray:
@@ -29,8 +30,8 @@ def area_touches(
     first: float | None = None
     entries = 0
     for fault in faults:
-        during = np.flatnonzero((time >= fault.begin - 1e-9) & (time < fault.end))
-        for k in map(int, during):
+        during = [k for k, t in enumerate(time) if within(fault, float(t))]
+        for k in during:
             tool = points[during[0]]
             area = area_row(fault, float(time[k]), tool)
             now, before = _inside(area, points[np.array([k, max(k - 1, 0)])])

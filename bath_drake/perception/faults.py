@@ -4,11 +4,26 @@ from dataclasses import dataclass, field
 
 
 @dataclass(kw_only=True)
-class FrameFault:
-    """Some of the frames of a while."""
+class Spell:
+    """A while in which something is wrong; at its end it is not."""
 
     begin: float = 0.0  # s
     end: float = 3600.0  # s
+
+
+def check_spell(key: str, spell: Spell) -> None:
+    """Raises ValueError naming `key` unless it begins and, later, ends."""
+    if not 0.0 <= spell.begin < spell.end < float("inf"):
+        raise ValueError(
+            f"{key}: found begin {spell.begin} and end {spell.end}, allowed 0 and up, "
+            "the end later"
+        )
+
+
+@dataclass(kw_only=True)
+class FrameFault(Spell):
+    """Some of the frames of a while."""
+
     probability: float = 1.0  # of each frame of that while
 
 
@@ -20,11 +35,9 @@ class LateFault(FrameFault):
 
 
 @dataclass(kw_only=True)
-class SaturationFault:
+class SaturationFault(Spell):
     """A glare: a disc of the image that is white and has no depth."""
 
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
     centre: list[float] = field(
         default_factory=lambda: [0.5, 0.5]
     )  # shares of the image's width and height
@@ -32,11 +45,9 @@ class SaturationFault:
 
 
 @dataclass(kw_only=True)
-class DropletsFault:
+class DropletsFault(Spell):
     """Water on the lens: discs of blurred colour and wild or no depth."""
 
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
     count: int = 6
     radius: float = 0.04  # of the largest, share of the image's width
     lost: float = 0.4  # share of a droplet's pixels without depth
@@ -51,20 +62,16 @@ class BackwardsFault(FrameFault):
 
 
 @dataclass(kw_only=True)
-class BlankFault:
+class BlankFault(Spell):
     """Depth that says nothing in some rows of the image, from the top."""
 
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
     share: float = 0.5  # of the image's height
 
 
 @dataclass(kw_only=True)
-class CoveredFault:
+class CoveredFault(Spell):
     """Something grey close to the lens: a disc of the image."""
 
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
     centre: list[float] = field(
         default_factory=lambda: [0.5, 0.5]
     )  # shares of the image's width and height
@@ -73,15 +80,10 @@ class CoveredFault:
 
 
 @dataclass(kw_only=True)
-class ShiftedFault:
+class ShiftedFault(Spell):
     """A camera that was knocked: all it sees is elsewhere in its image."""
 
-    begin: float = 0.0  # s
-    end: float = 3600.0  # s
     pixels: list[int] = field(default_factory=lambda: [60, 0])  # columns and rows
-
-
-LensFault = SaturationFault | DropletsFault | BlankFault | CoveredFault | ShiftedFault
 
 
 @dataclass(kw_only=True)
@@ -122,11 +124,7 @@ def check_faults(config: FaultsConfig) -> None:
     for name, fault in vars(config).items():
         if fault is None:
             continue
-        if not 0.0 <= fault.begin < fault.end < float("inf"):
-            raise ValueError(
-                f"{name}: found begin {fault.begin} and end {fault.end}, allowed 0 and "
-                "up, the end later"
-            )
+        check_spell(name, fault)
         for key, (low, high) in _RANGES.items():
             value = getattr(fault, key, low)
             if not low <= value <= high:
@@ -153,7 +151,7 @@ def check_faults(config: FaultsConfig) -> None:
             )
 
 
-def within(fault: FrameFault | LensFault, t: float) -> bool:
+def within(fault: Spell, t: float) -> bool:
     """Whether a fault is on at a time, s; its end is not."""
     # Time stamps in steps of a camera period accumulate rounding.
     rounding = 1e-9

@@ -7,9 +7,10 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import Context, EventStatus, LeafSystem, State
 
-from bath_drake.faults.effects import active, areas_at
+from bath_drake.faults.effects import areas_at
 from bath_drake.faults.script import AreaFault as Fault
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.perception.faults import within
 from bath_drake.systems._ports import eval_value, eval_vector
 
 
@@ -52,7 +53,7 @@ class AreaFault(LeafSystem):
     def _update(self, context: Context, state: State) -> EventStatus:
         t = context.get_time()
         held: Any = context.get_abstract_state(int(self._tools))
-        begun = {k for k, fault in enumerate(self._faults) if active(fault, t)}
+        begun = {k for k, fault in enumerate(self._faults) if within(fault, t)}
         tools = dict(held.get_value())
         for k in begun - set(tools):
             tools[k] = np.array(eval_vector(self._p_NQ, context))

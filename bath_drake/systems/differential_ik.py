@@ -11,7 +11,6 @@ from pydrake.multibody.inverse_kinematics import (
     DoDifferentialInverseKinematics,
 )
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.control.pose_tracking import (
@@ -34,13 +33,6 @@ _TWIST, _FEED_FORWARD = slice(14, 20), slice(20, 26)
 _DESIRED = slice(26, 38)  # the last desired pose, rows of [R | p]; NaN-free
 _SEEN, _STATUS, _FAILURES = 38, 39, 40
 _SIZE = 41
-
-
-# Nearer to the end of a range than this, rad, or faster than this share of the speed
-# allowed, as next to a singularity, Drake's program decides.
-_FAR, _SLOW = 0.1, 0.25
-# Of a velocity in E: a round jet has no roll, the turn about it is left to the posture.
-_FOLLOWED = [0, 1, 3, 4, 5]
 
 
 class DifferentialIk(LeafSystem):
@@ -130,8 +122,6 @@ class DifferentialIk(LeafSystem):
         self._scratch = plant.CreateDefaultContext()
         self._acceleration = joint_acceleration
         self._range = self._admitted = low, high
-        self._posture, self._centering_gain = posture, centering_gain
-        self._speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
         self._unbounded = _parameters(
             plant, posture, (low, high), time_step, speed_fraction, centering_gain
         )
@@ -192,10 +182,7 @@ class DifferentialIk(LeafSystem):
         error = jet_difference(R, p, R_d, p_d)
         twist = next_twist(state[_TWIST], error, feed_forward, tracking, dt)
         self._admit(state[_Q])
-        jacobian = self._jacobian()
-        v = self._unhindered(state, twist, R, jacobian)
-        if v is None:
-            v = self._solve(state[_V], twist)
+        v = self._solve(state[_V], twist)
         if v is None:
             return _at_rest(state, STATUS_STUCK)
         after = state.copy()
@@ -203,7 +190,7 @@ class DifferentialIk(LeafSystem):
         after[_V] = v
         # What the joints really do: the solver may have slowed the motion down. They
         # turn about the jet as they like.
-        after[_TWIST] = across_jet(jacobian @ v, R)
+        after[_TWIST] = across_jet(self._spatial_velocity(v), R)
         after[_FEED_FORWARD] = feed_forward
         after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
         after[_SEEN], after[_STATUS] = 1.0, STATUS_OK
@@ -222,48 +209,6 @@ class DifferentialIk(LeafSystem):
         limits = drake_vector(admitted[0]), drake_vector(admitted[1])
         for parameters in (self._parameters, self._unbounded):
             parameters.set_joint_position_limits(limits)
-
-    def _unhindered(
-        self, state: FloatArray, twist: FloatArray, R: FloatArray, jacobian: FloatArray
-    ) -> FloatArray | None:
-        """What Drake's program comes to far from every bound; None where one is near.
-
-        It goes along the twist as fast as it may and, in the null space, for the
-        posture: without bounds both are had in full, and that is a 5 x 5 system.
-        """
-        turned = np.vstack([R.T @ jacobian[:3], R.T @ jacobian[3:]])[_FOLLOWED]
-        asked = np.concatenate([R.T @ twist[:3], R.T @ twist[3:]])[_FOLLOWED]
-        drawn = self._centering_gain * (self._posture - state[_Q])
-        try:
-            pull = np.linalg.solve(turned @ turned.T, asked - turned @ drawn)
-        except np.linalg.LinAlgError:
-            return None
-        v = np.asarray(drawn + turned.T @ pull)
-        low, high = self._admitted
-        q = state[_Q] + self._time_step * v
-        bound = self._acceleration * self._time_step
-        free = (
-            (np.abs(v - state[_V]) <= bound).all()
-            and (np.abs(v) <= _SLOW * self._speed).all()
-            and ((q >= low + _FAR) & (q <= high - _FAR)).all()
-            # Next to a singularity nothing is sure but the program itself.
-            and np.abs(turned @ v - asked).max() <= 1e-9
-        )
-        return v if free else None
-
-    def _jacobian(self) -> FloatArray:
-        """The nozzle's (6, 7) in W, at the scratch pad's positions."""
-        world: Any = self._plant.world_frame()
-        return np.array(
-            self._plant.CalcJacobianSpatialVelocity(
-                self._scratch,
-                JacobianWrtVariable.kV,
-                self._frame,
-                drake_vector(np.zeros(3)),
-                world,
-                world,
-            )
-        )
 
     def _solve(self, v_last: FloatArray, twist: FloatArray) -> FloatArray | None:
         """Returns joint velocities (7,), or None where there are none."""
@@ -288,6 +233,11 @@ class DifferentialIk(LeafSystem):
             return None
         v = np.array(result.joint_velocities, dtype=np.float64)
         return v if np.isfinite(v).all() else None
+
+    def _spatial_velocity(self, v: FloatArray) -> FloatArray:
+        self._plant.SetVelocities(self._scratch, drake_vector(v))
+        V_WE = self._frame.CalcSpatialVelocityInWorld(self._scratch)
+        return np.concatenate([V_WE.rotational(), V_WE.translational()])
 
     def _calc_command(self, context: Any, output: BasicVector) -> None:
         set_vector(output, _state(context)[: _V.stop])

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from bath_drake.faults.effects import active, faulty_signal
+from bath_drake.faults.effects import faulty_signal
 from bath_drake.faults.script import SignalFault as Fault
 from bath_drake.notation import FloatArray
+from bath_drake.perception.faults import within
 from bath_drake.systems._ports import drake_vector, eval_vector, set_vector
 
 
@@ -62,7 +63,7 @@ class SignalFault(LeafSystem):
             self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._remember)
 
     def _remember(self, context: Context, state: DiscreteValues) -> None:
-        if not active(self._fault, context.get_time()):
+        if not within(self._fault, context.get_time()):
             value = drake_vector(eval_vector(self._signal, context))
             state.set_value(self._held, value)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bath_drake.faults.effects import active, areas_at, faulty_signal
+from bath_drake.faults.effects import areas_at, faulty_signal
 from bath_drake.faults.script import (
     KINDS,
     AreaFault,
@@ -14,6 +14,7 @@ from bath_drake.faults.script import (
     check_script,
 )
 from bath_drake.faults.touch import area_touches
+from bath_drake.perception.faults import within
 
 VALUE, HELD = np.array([1.0, 2.0, 3.0]), np.array([-1.0, -2.0, -3.0])
 
@@ -101,5 +102,5 @@ def test_what_makes_no_fault_is_refused_by_its_key(script, message):
 
 
 def test_a_fault_is_on_from_its_beginning_to_just_before_its_end():
-    assert active(fault("nan"), 1.0)
-    assert not active(fault("nan"), 2.0)
+    assert within(fault("nan"), 1.0)
+    assert not within(fault("nan"), 2.0)
