@@ -46,8 +46,7 @@ _BENDS = (
 
 
 _IDEAL = (
-    "Perception was ideal: the loop was told the true back, no image was rendered, and "
-    "the pictures of the camera's view are black."
+    "Perception was ideal: the loop was told the true back, and no image was rendered."
 )
 _KINEMATIC = "The arm was kinematic: exactly where it was told to be."
 

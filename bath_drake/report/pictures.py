@@ -144,7 +144,8 @@ def draw_pictures(run: RunData) -> dict[str, Picture]:
         "Shaded: lining up and coming down. The guard: yellow where it holds, orange "
         "where it retreats, red where it has stopped. Dashed: limits.",
     )
-    if frame is not None:
+    # Ideal perception takes no images.
+    if frame is not None and run.scenario.perception.source != "ideal":
         _add_camera_pictures(run, add)
     return pictures
 
@@ -160,8 +161,6 @@ def _add_camera_pictures(run: RunData, add: Any) -> None:
         "What the loop knows of the person: the segmented back, its canonical box and "
         "the path laid onto the skin it sees.",
     )
-    if run.scenario.perception.source == "ideal":
-        return  # what follows lays paths onto images
     add(
         "cloud",
         camera_figures.draw_point_cloud(frame, done, to_come),
