@@ -23,6 +23,7 @@ from bath_drake.systems.hold_supervisor import HoldSupervisor
 from bath_drake.systems.joint_guard import JointGuard
 from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
+from bath_drake.systems.nozzle_clearance import NozzleClearance
 from bath_drake.systems.nozzle_kinematics import NozzleKinematics
 from bath_drake.systems.periodic_motion import PeriodicMotion
 from bath_drake.systems.self_distance import SelfDistance
@@ -84,6 +85,7 @@ def add_control(
                 seed=scenario.random_seed, period=limits.loop.period
             ),
             "nozzle_kinematics": NozzleKinematics(plant=arm),
+            "nozzle_clearance": NozzleClearance(),
             "canonical_tracker": CanonicalTracker(),
             "hold_supervisor": HoldSupervisor(max_frame_age=control.max_frame_age),
             "loop_monitor": LoopMonitor(bounds=loop_bounds(scenario)),
@@ -111,6 +113,7 @@ def add_control(
     supervisor = systems["hold_supervisor"]
     monitor = systems["loop_monitor"]
     guard = systems["joint_guard"]
+    clearance = systems["nozzle_clearance"]
     for source, port, sinks in (
         (systems["virtual_obstacle_source"], "navigation_chain", [stages]),
         (stages, "navigation_field", [world, monitor]),
@@ -123,10 +126,11 @@ def add_control(
         (approach, "standoff", [surface, tracker]),
         (systems["surface_velocity"], "surface_velocity", [surface]),
         (surface, "desired_nozzle_pose", [ik, approach]),
-        (surface, "surface_patch", [monitor]),
+        (surface, "surface_patch", [clearance]),
         (surface, "surface_status", [supervisor]),
         (ik, "ik_status", [supervisor]),
-        (systems["nozzle_kinematics"], "nozzle_pose", [tracker, approach, monitor]),
+        (systems["nozzle_kinematics"], "nozzle_pose", [tracker, approach, clearance]),
+        (clearance, "nozzle_clearance", [guard, monitor]),
         (guard, "hold", [ik, reference, approach]),
         (ik, "joint_command", [guard]),
         (ik, "ik_status", [guard]),
@@ -172,10 +176,22 @@ def add_control(
 
 
 def guard_limits(scenario: Scenario) -> GuardLimits:
-    """Returns the shipped limits; a scenario can only make frames stale sooner."""
-    limits = load_limits()
-    age = min(limits.frames.hold_age, scenario.control.max_frame_age)
-    return replace(limits, frames=replace(limits.frames, hold_age=age))
+    """Returns the shipped limits, and what a scenario may change of them.
+
+    It can make frames stale sooner. Where it washes from nearer, the guard lets the
+    skin come nearer: halfway from there to where the run is ended.
+    """
+    limits, control = load_limits(), scenario.control
+    age = min(limits.frames.hold_age, control.max_frame_age)
+    clearance = min(
+        max(limits.nozzle.clearance, control.min_clearance),
+        0.5 * (control.min_clearance + control.standoff),
+    )
+    return replace(
+        limits,
+        frames=replace(limits.frames, hold_age=age),
+        nozzle=replace(limits.nozzle, clearance=clearance),
+    )
 
 
 def _joint_guard(arm: Any, scenario: Scenario, limits: GuardLimits) -> JointGuard:

@@ -70,6 +70,8 @@ def test_the_inverse_kinematics_is_heard_by_the_joint_guard_and_its_aids_alone(n
     }
     heeded = {s for (s, _), source in fed.items() if source[0] == "self_distance"}
     assert heeded == {"joint_guard"}
+    heeded = {s for (s, _), source in fed.items() if source[0] == "nozzle_clearance"}
+    assert heeded == {"joint_guard", "loop_monitor"}
 
 
 @pytest.mark.parametrize("name", DRIVEN)

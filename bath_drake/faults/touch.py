@@ -19,8 +19,9 @@ def area_touches(
 ) -> tuple[float | None, int]:
     """Returns when an area first held the nozzle, s, and how often it went into one.
 
-    Being overtaken by an area is no entry: of two samples, the later one is in the
-    area and the earlier one outside the area *as it is at the later*.
+    Being overtaken by an area is no entry, nor is being in one already: of two samples,
+    the later one is in the area, the earlier one was not, and would not be either
+    were the area where it is at the later.
 
     Args:
         faults: The areas.
@@ -31,11 +32,13 @@ def area_touches(
     entries = 0
     for fault in faults:
         during = [k for k, t in enumerate(time) if within(fault, float(t))]
+        was_in = False
         for k in during:
             tool = points[during[0]]
             area = area_row(fault, float(time[k]), tool)
             now, before = _inside(area, points[np.array([k, max(k - 1, 0)])])
             if now and (first is None or time[k] < first):
                 first = float(time[k])
-            entries += int(now and not before)
+            entries += int(now and not before and not was_in)
+            was_in = bool(now)
     return first, entries

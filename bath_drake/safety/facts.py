@@ -36,6 +36,7 @@ class GuardFacts:
         joint_solution: Whether inverse kinematics found a motion.
         condition_number: Of the nozzle's Jacobian.
         self_distance: Least distance of links that must not touch, m.
+        nozzle_clearance: Of the nozzle off the skin, m; infinite where no skin is seen.
         command_age: How old the command is, s.
         wrench: Torque (N m) and force (N) on the nozzle, six numbers.
         wrench_stamp: When it was measured, s.
@@ -61,6 +62,7 @@ class GuardFacts:
     joint_solution: bool = True
     condition_number: float = 1.0
     self_distance: float | None = None
+    nozzle_clearance: float | None = None
     command_age: float = 0.0
     wrench: Vector | None = None
     wrench_stamp: float = 0.0
@@ -134,6 +136,11 @@ def present_reasons(
             facts.self_distance is not None
             and facts.self_distance < limits.joints.self_distance,
             Reason.SELF_COLLISION,
+        ),
+        (
+            facts.nozzle_clearance is not None
+            and not facts.nozzle_clearance >= limits.nozzle.clearance,
+            Reason.SKIN_NEAR,
         ),
         (facts.command_age > limits.frames.hold_age + ROUNDING, Reason.COMMAND_STALE),
         (

@@ -29,6 +29,7 @@ class NozzleLimits:
     speed: float = 0.15  # m/s in any direction
     approach_speed: float = 0.05  # m/s along the normal, also when it retreats
     retreat_distance: float = 0.08  # m
+    clearance: float = 0.04  # m off the skin; nearer, it retreats
 
 
 @dataclass(kw_only=True)
@@ -106,6 +107,7 @@ _RANGES: dict[str, dict[str, tuple[float, float | tuple[float, ...]]]] = {
         "speed": (1e-3, 0.25),
         "approach_speed": (1e-3, 0.05),
         "retreat_distance": (0.01, 0.3),
+        "clearance": (0.0, 0.2),
     },
     "frames": {
         "hold_age": (0.01, 0.5),

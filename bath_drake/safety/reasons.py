@@ -49,6 +49,7 @@ class Reason(IntEnum):
     LINK_LOST = 29
     CLOCK = 30
     FACT_NOT_FINITE = 31
+    SKIN_NEAR = 32
 
 
 @dataclass(frozen=True)
@@ -119,5 +120,6 @@ RESPONSES = MappingProxyType(
         Reason.LINK_LOST: _stops("the robot has not answered for `loop.link_age`"),
         Reason.CLOCK: _holds_until_reset("the time is no number or went back"),
         Reason.FACT_NOT_FINITE: _holds_until_reset("something measured is no number"),
+        Reason.SKIN_NEAR: _retreats("the skin has come nearer than `nozzle.clearance`"),
     }
 )

@@ -24,6 +24,7 @@ OPTIONAL_PORTS = {
     "world_status": 1,
     "ik_status": 1,
     "self_distance": 1,  # m
+    "nozzle_clearance": 1,  # m
     "command_stamp": 1,  # s
     "wrench": 7,  # stamp (s); torque (N m), force (N)
     "loop_seconds": 1,
@@ -67,7 +68,12 @@ class FactPorts:
         # 0 is well there; NaN is not below one half either.
         if "ik_status" in given:
             found["joint_solution"] = bool(given["ik_status"][0] < 0.5)
-        for fact in ("self_distance", "loop_seconds", "robot_stamp"):
+        for fact in (
+            "self_distance",
+            "nozzle_clearance",
+            "loop_seconds",
+            "robot_stamp",
+        ):
             if fact in given:
                 found[fact] = float(given[fact][0])
         if "frame_status" in given:

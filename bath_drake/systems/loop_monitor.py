@@ -2,12 +2,10 @@
 
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, EventStatus, LeafSystem
 
 from bath_drake.control.approach import Phase
 from bath_drake.field.navigation import NavigationField
-from bath_drake.perception.surface import SurfacePatch, height_over
 from bath_drake.safety.outcome import LoopBounds, LoopOutcome, judge_loop
 from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector
 
@@ -23,8 +21,7 @@ class LoopMonitor(LeafSystem):
         - navigation_field
         - final_stage
         - phase
-        - nozzle_pose
-        - surface_patch
+        - nozzle_clearance
 
     The goal is that of `navigation_field` while `final_stage` is above one half; until
     then there are others to come, and passing by is not arriving. The message of
@@ -41,25 +38,20 @@ class LoopMonitor(LeafSystem):
         self._field = self.DeclareAbstractInputPort("navigation_field", Value[object]())
         self._final = self.DeclareVectorInputPort("final_stage", 1)
         self._phase = self.DeclareVectorInputPort("phase", 1)
-        self._X_WE = self.DeclareAbstractInputPort(
-            "nozzle_pose", Value(RigidTransform())
-        )
-        self._patch = self.DeclareAbstractInputPort("surface_patch", Value[object]())
+        self._clearance = self.DeclareVectorInputPort("nozzle_clearance", 1)
         # Not at time zero: the first frame has not been taken yet then.
         self.DeclarePeriodicPublishEvent(period, period, self._judge)
 
     def outcome(self, context: Context) -> LoopOutcome:
         """Judges this system's own `context`."""
         field = eval_value(self._field, context, NavigationField)
-        patch = eval_value(self._patch, context, SurfacePatch)
-        p_WE = np.asarray(eval_value(self._X_WE, context, RigidTransform).translation())
         away = np.linalg.norm(eval_vector(self._p_NQ, context) - field.goal)
         final = eval_scalar(self._final, context) > 0.5
         return judge_loop(
             time=context.get_time(),
             washing=int(eval_vector(self._phase, context)[0]) == Phase.WASH,
             goal_distance=float(away) if final else np.inf,
-            clearance=height_over(patch, p_WE),
+            clearance=eval_scalar(self._clearance, context),
             bounds=self._bounds,
         )
 

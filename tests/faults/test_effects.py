@@ -77,6 +77,19 @@ def test_being_overtaken_by_an_area_is_no_entry_but_going_in_is():
     assert area_touches([], time, walks) == (None, 0)
 
 
+def test_to_drift_along_the_rim_of_an_area_that_leaves_is_no_entry():
+    # It appears over the point and slides off; the point, slower, goes the same way.
+    time = np.arange(0.0, 1.0, 0.01)
+    leaves = AreaFault(centre=[0.0, 0.0], semi_axes=[0.3, 0.3], velocity=[-1.0, 0.0])
+    drifts = np.column_stack([-0.5 * time, np.zeros(100)])
+    first, entries = area_touches([leaves], time, drifts)
+    assert (first, entries) == (0.0, 0)
+    # One that comes back goes into it, however slow the area is.
+    back = np.where(time[:, None] < 0.4, drifts, [[-0.1, 0.0]])
+    back[45:60] = [-0.45, 0.0]
+    assert area_touches([leaves], time, back)[1] == 1
+
+
 @pytest.mark.parametrize(
     ("script", "message"),
     [
