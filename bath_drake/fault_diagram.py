@@ -31,7 +31,8 @@ def add_faults(builder: DiagramBuilder, script: FaultScript, *, period: float) -
             injector = SignalFault(fault=fault, size=source.size())
         except ValueError as error:
             raise ScenarioError(f"{key}.{error}") from error
-        name = f"fault_{system}_{port}"
+        earlier = sum(f.port == fault.port for f in script.signals[:k])
+        name = f"fault_{system}_{port}" + (f"_{earlier + 1}" if earlier else "")
         _interpose(builder, source, builder.AddNamedSystem(name, injector), "signal")
     if script.areas:
         source = _find(

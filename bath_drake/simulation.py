@@ -28,28 +28,38 @@ _MOST_OBSTACLES = 64
 
 
 def run(
-    diagram: Diagram, scenario: Scenario, progress: Progress | None = None
+    diagram: Diagram,
+    scenario: Scenario,
+    progress: Progress | None = None,
+    *,
+    context: Context | None = None,
 ) -> SimulationLog:
     """Simulates until the loop monitor ends the run.
+
+    One Diagram serves many runs, each with a Context of its own.
 
     Args:
         diagram: What `bath_drake.diagrams.build_reproduction` built.
         scenario: What it was built from.
         progress: Called with simulated and longest seconds as the run goes on.
+        context: Of the Diagram, where the run begins, its time included: a multiple of
+            the camera's period. None begins at time zero, all as built.
 
     Raises:
         RuntimeError: If the Diagram has no loop monitor that ends the run.
     """
-    simulator = Simulator(diagram)
+    simulator = Simulator(diagram) if context is None else Simulator(diagram, context)
     context = simulator.get_mutable_context()
+    start = context.get_time()
+    _set_span(diagram, context, start, scenario.duration)
     simulator.Initialize()
-    wall_time = [(0.0, 0.0)]
+    wall_time = [(start, 0.0)]
     keyframes: list[dict[str, Any]] = []
-    worlds = [(0.0, _packed_world(diagram, context))]
+    worlds = [(start, _packed_world(diagram, context))]
     outcome = ""
     while not outcome:
-        boundary = len(wall_time) * _CHUNK_S
-        if boundary > scenario.duration + 1.0:
+        boundary = start + len(wall_time) * _CHUNK_S
+        if boundary - start > scenario.duration + 1.0:
             raise RuntimeError("nothing ended the run: is there a loop_monitor?")
         begin = time.perf_counter()
         status = simulator.AdvanceTo(boundary)
@@ -62,12 +72,21 @@ def run(
         if not np.array_equal(world, worlds[-1][1]):
             worlds.append((now, world))
         # Outside the clock: no loop needs them.
-        due = len(keyframes) * _KEYFRAME_PERIOD_S + _CHUNK_S
+        due = start + len(keyframes) * _KEYFRAME_PERIOD_S + _CHUNK_S
         if outcome or now >= due - 1e-9:
             keyframes.append(_keyframe(diagram, context))
         if progress is not None:
-            progress(now, scenario.duration)
+            progress(now - start, scenario.duration)
     return _collect(diagram, context, scenario, wall_time, keyframes, worlds, outcome)
+
+
+def _set_span(
+    diagram: Diagram, context: Context, begin: float, duration: float
+) -> None:
+    if diagram.HasSubsystemNamed("loop_monitor"):
+        monitor: Any = diagram.GetSubsystemByName("loop_monitor")
+        own = monitor.GetMyMutableContextFromRoot(context)
+        monitor.set_span(own, begin, duration)
 
 
 def _names(diagram: Diagram) -> set[str]:
@@ -190,7 +209,7 @@ def _collect(
             : len(HoldReason)
         ],
         wall_time=np.array(wall_time),
-        frames=np.array(_frames(scenario, context.get_time())),
+        frames=np.array(_frames(scenario, wall_time[-1][0] - wall_time[0][0])),
         outcome=outcome,
         keyframe_time=stacked("time"),
         keyframe_colour=stacked("colour"),

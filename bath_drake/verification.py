@@ -138,7 +138,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "certificate": certificate_figures(log, world),
         "reached_goal": log.outcome == LoopOutcome.GOAL_REACHED.name,
         "outcome": log.outcome,
-        "time_to_goal_s": float(log.time[-1]),
+        "time_to_goal_s": float(np.ptp(log.time)),
         "washing_time_s": float(np.ptp(time)) if len(time) else 0.0,
         "surface_error_mm": mean_max(np.abs(surface_error)),
         "surface_lag_s": tracking_lag(surface_error / 1e3, washed.receded, time),

@@ -1,20 +1,27 @@
 """`bath-drake bench soak`: hours of the closed loop under random faults.
 
-One process a body, one body through the camera and the others with ideal perception.
+One body is seen by the camera, the others with ideal perception. Every sitting of a
+body is a process of its own, with one Diagram for all its episodes.
 With `--data DIR` every episode is kept there, and a run that was broken off goes on.
 """
 
 import json
 import os
 from collections.abc import Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
 from bath_drake.benchmarks.figures import Figure, Progress, Report, Settings
-from bath_drake.benchmarks.soak_episodes import LONGEST, Episode, as_row, run_episode
+from bath_drake.benchmarks.soak_episodes import (
+    EPISODES,
+    SHORTEST,
+    Episode,
+    as_row,
+    run_sitting,
+)
 from bath_drake.errors import BathDrakeError
 from bath_drake.patient.people import shipped_people
 
@@ -31,47 +38,78 @@ def run(settings: Settings, progress: Progress) -> Report:
     hours = HOURS if settings.hours is None else settings.hours
     people = list(shipped_people())
     share = hours * 3600.0 / len(people)
-    found: dict[str, list[Episode]] = {}
+    found = {person: list(_kept(settings.data, person)) for person in people}
     with ProcessPoolExecutor(
         max_workers=max(1, min(os.cpu_count() or 1, len(people))),
         # A fork would copy what this process has loaded, and judge its growth too.
         mp_context=get_context("spawn"),
         max_tasks_per_child=1,
     ) as pool:
-        started: dict[Future[list[Episode]], str] = {
-            pool.submit(soak_body, person, share, settings.data): person
-            for person in people
-        }
-        for k, done in enumerate(as_completed(started)):
-            found[started[done]] = done.result()
-            progress("soak", (k + 1) / len(people))
+        running: dict[Future[list[Episode]], str] = {}
+
+        def go_on(person: str) -> None:
+            sitting, first, seconds = what_is_left(found[person], share)
+            if seconds < SHORTEST:
+                return
+            ideal = person != THROUGH_THE_CAMERA
+            task = (person, sitting, first, seconds, ideal, settings.data)
+            running[pool.submit(soak_sitting, *task)] = person
+
+        for person in people:
+            go_on(person)
+        while running:
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                person = running.pop(future)
+                found[person] += future.result()
+                go_on(person)
+            soaked = sum(e.seconds for episodes in found.values() for e in episodes)
+            progress("soak", min(soaked / (hours * 3600.0), 1.0))
     rows = [body_row(person, found[person]) for person in people]
     return Report(figures(hours, rows), rows)
 
 
-def soak_body(person: str, seconds: float, folder: Path | None) -> list[Episode]:
-    """Runs episodes of one body until it has been washed for so long, s."""
-    path = None if folder is None else folder / f"soak_{person}.jsonl"
-    episodes = list(_kept(path))
-    ideal = person != THROUGH_THE_CAMERA
-    while True:
-        left = seconds - sum(episode.seconds for episode in episodes)
-        # Runs end at goals, on multiples of a period: what rounding leaves is none.
-        if left < 0.5:
-            return episodes
-        longest = min(LONGEST, left)
-        episode = run_episode(person, len(episodes), longest, ideal=ideal)
+def what_is_left(episodes: list[Episode], share: float) -> tuple[int, int, float]:
+    """Returns the sitting to go on with, its next episode, and the seconds left."""
+    left = share - sum(episode.seconds for episode in episodes)
+    if not episodes:
+        return 0, 0, left
+    last = episodes[-1]
+    if last.index + 1 < EPISODES:
+        return last.sitting, last.index + 1, left
+    return last.sitting + 1, 0, left
+
+
+def soak_sitting(
+    person: str,
+    sitting: int,
+    first: int,
+    seconds: float,
+    ideal: bool,
+    folder: Path | None,
+) -> list[Episode]:
+    """Runs what is left of a sitting, in a process of its own; keeps every episode."""
+    episodes = []
+    for episode in run_sitting(
+        person, sitting, ideal=ideal, first=first, seconds=seconds
+    ):
         episodes.append(episode)
-        if path is not None:
-            with path.open("a", encoding="utf-8") as lines:
+        if folder is not None:
+            with _file(folder, person).open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps(as_row(episode)) + "\n")
                 lines.flush()
                 os.fsync(lines.fileno())
+    return episodes
 
 
-def _kept(path: Path | None) -> Iterator[Episode]:
-    if path is None or not path.exists():
+def _file(folder: Path, person: str) -> Path:
+    return folder / f"soak_{person}.jsonl"
+
+
+def _kept(folder: Path | None, person: str) -> Iterator[Episode]:
+    if folder is None or not _file(folder, person).exists():
         return
+    path = _file(folder, person)
     for k, line in enumerate(path.read_text("utf-8").splitlines()):
         try:
             yield Episode(**json.loads(line))
@@ -82,12 +120,21 @@ def _kept(path: Path | None) -> Iterator[Episode]:
             ) from None
 
 
+def largest_growth(episodes: list[Episode]) -> float:
+    """Returns the most that a process grew by after its warm-up, MB; NaN of none."""
+    growths, warm = [], np.nan
+    for episode in episodes:
+        if episode.runs_before < WARM_UP:
+            warm = np.nan
+        elif episode.runs_before == WARM_UP:
+            warm = episode.memory
+        growths.append(episode.memory - warm)
+    known = [growth for growth in growths if np.isfinite(growth)]
+    return float(max(known)) if known else float("nan")
+
+
 def body_row(person: str, episodes: list[Episode]) -> dict[str, str | float | bool]:
-    """Sums one body's episodes up; its memory from after the warm-up on, MB."""
-    memory = [episode.memory for episode in episodes]
-    growth = np.nan
-    if len(memory) > WARM_UP + 1:
-        growth = memory[-1] - memory[WARM_UP]
+    """Sums one body's episodes up."""
     return {
         "person": person,
         "episodes": float(len(episodes)),
@@ -97,7 +144,7 @@ def body_row(person: str, episodes: list[Episode]) -> dict[str, str | float | bo
         "entries": float(sum(e.entries for e in episodes)),
         "not finite": float(sum(e.not_finite for e in episodes)),
         "too fast": float(sum(e.too_fast for e in episodes)),
-        "growth, MB": round(float(growth), 2),
+        "growth, MB": round(largest_growth(episodes), 2),
     }
 
 

@@ -12,6 +12,8 @@ KINDS = ("nan", "constant", "offset", "ramp", "frozen", "drift")
 class SignalFault(Spell):
     """A vector port whose readers get something else for a while.
 
+    One port may have several, one after the other.
+
     Kinds: `nan`; `constant`, the value itself; `offset`, the value more; `ramp`, the
     value more with every second; `frozen`, what it was when the fault began; `drift`,
     all of it frozen, but for the elements, which ramp from there.
@@ -57,12 +59,13 @@ def check_script(script: FaultScript) -> None:
     for k, fault in enumerate(script.signals):
         check_spell(f"signals[{k}]", fault)
         _check_signal(f"signals[{k}]", fault)
-    ports = [fault.port for fault in script.signals]
-    for k, port in enumerate(ports):
-        if port in ports[:k]:
-            raise ValueError(
-                f"signals[{k}].port: found {port} once more, allowed one fault a port"
-            )
+    for k, fault in enumerate(script.signals):
+        for before in script.signals[:k]:
+            if fault.port == before.port and _overlap(fault, before):
+                raise ValueError(
+                    f"signals[{k}].port: found {fault.port} once more, allowed one "
+                    "fault of a port at a time"
+                )
     for k, area in enumerate(script.areas):
         check_spell(f"areas[{k}]", area)
         for name in ("centre", "semi_axes", "velocity"):
@@ -79,6 +82,10 @@ def check_script(script: FaultScript) -> None:
             raise ValueError(
                 f"areas[{k}].angle: found {area.angle}, allowed a finite number"
             )
+
+
+def _overlap(one: Spell, other: Spell) -> bool:
+    return one.begin < other.end and other.begin < one.end
 
 
 def _check_signal(key: str, fault: SignalFault) -> None:

@@ -1,13 +1,15 @@
 """Ends a run: at the goal, on time-out or on a violated bound."""
 
+from dataclasses import replace
+
 import numpy as np
 from pydrake.common.value import Value
-from pydrake.systems.framework import Context, EventStatus, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, EventStatus, LeafSystem
 
 from bath_drake.control.approach import Phase
 from bath_drake.field.navigation import NavigationField
 from bath_drake.safety.outcome import LoopBounds, LoopOutcome, judge_loop
-from bath_drake.systems._ports import eval_scalar, eval_value, eval_vector
+from bath_drake.systems._ports import drake_vector, eval_scalar, eval_value, eval_vector
 
 
 class LoopMonitor(LeafSystem):
@@ -22,6 +24,9 @@ class LoopMonitor(LeafSystem):
         - final_stage
         - phase
         - nozzle_clearance
+
+    The numeric parameter is when the run began and how long it may take, s: zero and
+    what the bounds say, unless it is set.
 
     The goal is that of `navigation_field` while `final_stage` is above one half; until
     then there are others to come, and passing by is not arriving. The message of
@@ -39,20 +44,28 @@ class LoopMonitor(LeafSystem):
         self._final = self.DeclareVectorInputPort("final_stage", 1)
         self._phase = self.DeclareVectorInputPort("phase", 1)
         self._clearance = self.DeclareVectorInputPort("nozzle_clearance", 1)
+        span = BasicVector(drake_vector([0.0, bounds.duration]))
+        self._span = int(self.DeclareNumericParameter(span))
         # Not at time zero: the first frame has not been taken yet then.
         self.DeclarePeriodicPublishEvent(period, period, self._judge)
+
+    def set_span(self, context: Context, begin: float, duration: float) -> None:
+        """Puts a run's begin and longest duration, s, into this system's `context`."""
+        parameter = context.get_mutable_numeric_parameter(self._span)
+        parameter.SetFromVector(drake_vector([begin, duration]))
 
     def outcome(self, context: Context) -> LoopOutcome:
         """Judges this system's own `context`."""
         field = eval_value(self._field, context, NavigationField)
         away = np.linalg.norm(eval_vector(self._p_NQ, context) - field.goal)
+        begin, duration = context.get_numeric_parameter(self._span).value().tolist()
         final = eval_scalar(self._final, context) > 0.5
         return judge_loop(
-            time=context.get_time(),
+            time=context.get_time() - begin,
             washing=int(eval_vector(self._phase, context)[0]) == Phase.WASH,
             goal_distance=float(away) if final else np.inf,
             clearance=eval_scalar(self._clearance, context),
-            bounds=self._bounds,
+            bounds=replace(self._bounds, duration=duration),
         )
 
     def _judge(self, context: Context) -> EventStatus:

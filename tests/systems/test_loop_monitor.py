@@ -133,3 +133,11 @@ def test_no_look_is_taken_at_time_zero():
 def test_the_period_must_be_positive(period):
     with pytest.raises(ValueError, match="period must be positive"):
         LoopMonitor(bounds=BOUNDS, period=period)
+
+
+def test_a_run_that_begins_later_takes_as_long():
+    run = Run()
+    run.context.SetTime(5.0)
+    run.monitor.set_span(run.context, 5.0, 0.5)
+    assert run.advance(9.0) == "TIMED_OUT"
+    assert run.time == pytest.approx(5.5)
