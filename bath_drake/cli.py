@@ -1,6 +1,7 @@
 """The command line `bath-drake VERB`: parse, call one function, print."""
 
 import argparse
+import errno
 import importlib
 import keyword
 import logging
@@ -32,6 +33,8 @@ VERBS = {
 }
 BAD_INPUT = 2
 INTERRUPTED = 130
+# No more room: on the disk, of a quota, in a file.
+_NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -87,10 +90,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         told = "".join(c if c.isprintable() else "?" for c in str(error))
         print(f"bath-drake {options.verb}: {told}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print(f"bath-drake {options.verb}: interrupted", file=sys.stderr)
-        return INTERRUPTED
     except BrokenPipeError:
         # A reader such as `head` has gone; that is no error of ours.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as problem:
+        if problem.errno not in _NO_SPACE:
+            raise
+        # Nobody's input, but no bug either: numba keeps what it compiles, for one.
+        where = f"{problem.filename}: " if problem.filename else ""
+        print(f"bath-drake {options.verb}: {where}{problem.strerror}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print(f"bath-drake {options.verb}: interrupted", file=sys.stderr)
+        return INTERRUPTED

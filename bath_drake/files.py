@@ -1,12 +1,13 @@
 """Files are read within limits, and written whole or not at all."""
 
+import contextlib
 import io
 import os
 import stat
 import tempfile
 import warnings
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -109,31 +110,58 @@ def write_atomically(
     Raises:
         BathDrakeError: As `error`, when the file cannot be written.
     """
-    check_output(path, error=error)
-    path, temporary = Path(path), ""
+    staged = _stage(Path(path), content, error)
     try:
-        handle, temporary = tempfile.mkstemp(
+        _put(staged, Path(path), error)
+    finally:
+        _forget([staged])
+
+
+def _stage(
+    path: Path, content: str | bytes | Callable[[Path], None], error: _Error
+) -> Path:
+    """Writes what will be `path` beside it, down to the disk; returns where."""
+    check_output(path, error=error)
+    temporary: Path | None = None
+    try:
+        handle, name = tempfile.mkstemp(
             prefix=f".{path.stem[:100]}-", suffix=path.suffix, dir=path.parent
         )
+        temporary = Path(name)
         os.close(handle)
         if callable(content):
-            content(Path(temporary))
+            content(temporary)
         else:
             data = content.encode() if isinstance(content, str) else content
-            Path(temporary).write_bytes(data)
+            temporary.write_bytes(data)
         # Renamed before its content is on disk, it could be empty after a power cut.
         with open(temporary, "rb") as file:
             os.fsync(file.fileno())
         # mkstemp makes files for the owner alone; give what `open` would have.
         os.umask(mask := os.umask(0))
         os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-        _sync_folder(Path(path).parent)
+    except BaseException as problem:  # an interrupt, too, must leave nothing
+        _forget([] if temporary is None else [temporary])
+        if isinstance(problem, OSError):
+            raise error(f"{path}: cannot be written: {problem.strerror}") from None
+        raise
+    return temporary
+
+
+def _put(staged: Path, path: Path, error: _Error) -> None:
+    """Gives a staged file its name; that takes no space."""
+    try:
+        os.replace(staged, path)
+        _sync_folder(path.parent)
     except OSError as problem:
         raise error(f"{path}: cannot be written: {problem.strerror}") from None
-    finally:
-        if temporary:  # after the rename there is nothing left of it
-            Path(temporary).unlink(missing_ok=True)
+
+
+def _forget(staged: Iterable[Path]) -> None:
+    """Removes what is left of staged files; what cannot be must hide no other error."""
+    for path in staged:
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
 def _sync_folder(folder: Path) -> None:
@@ -145,22 +173,50 @@ def _sync_folder(folder: Path) -> None:
         os.close(held)
 
 
+def append(path: Path, text: str, *, error: _Error = BathDrakeError) -> None:
+    """Adds text to a file, whole or not at all, down to the disk; else raises `error`.
+
+    What a full disk took of it is cut off again.
+    """
+    try:
+        size = path.stat().st_size if path.exists() else 0
+        try:
+            with open(path, "ab") as file:
+                file.write(text.encode())
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError:
+            with contextlib.suppress(OSError):
+                os.truncate(path, size)
+            raise
+    except OSError as problem:
+        raise error(f"{path}: cannot be written: {problem.strerror}") from None
+
+
 def write_all(files: dict[Path, bytes], *, error: _Error = BathDrakeError) -> None:
     """Writes files that belong together, or puts back what was there before.
+
+    All of them are on the disk before the first gets its name: a full one is noticed
+    while every old file is still there.
 
     Raises:
         BathDrakeError: As `error`, when one cannot be written.
     """
+    staged: dict[Path, Path] = {}
     before: dict[Path, bytes | None] = {}
     try:
         for path, content in files.items():
+            staged[path] = _stage(path, content, error)
+        for path, temporary in staged.items():
             old = path.read_bytes() if path.is_file() else None
-            write_atomically(path, content, error=error)
+            _put(temporary, path, error)
             before[path] = old
     except BaseException:  # an interrupt, too, must leave no half
         for path, old in before.items():
             if old is None:
-                path.unlink(missing_ok=True)
+                remove(path, error=error)
             else:
                 write_atomically(path, old, error=error)
         raise
+    finally:
+        _forget(staged.values())

@@ -23,6 +23,7 @@ from bath_drake.benchmarks.soak_episodes import (
     run_sitting,
 )
 from bath_drake.errors import BathDrakeError
+from bath_drake.files import append
 from bath_drake.patient.people import shipped_people
 
 HOURS = 8.0
@@ -95,10 +96,7 @@ def soak_sitting(
     ):
         episodes.append(episode)
         if folder is not None:
-            with _file(folder, person).open("a", encoding="utf-8") as lines:
-                lines.write(json.dumps(as_row(episode)) + "\n")
-                lines.flush()
-                os.fsync(lines.fileno())
+            append(_file(folder, person), json.dumps(as_row(episode)) + "\n")
     return episodes
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bath_drake.errors import DemonstrationError
-from bath_drake.files import write_atomically
+from bath_drake.files import append, write_atomically
 from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
 
@@ -116,13 +116,7 @@ class RgbdWriter:
         stem = f"{len(self.times):06d}"
         self._write_image(COLOUR, stem, cv2.cvtColor(colour, cv2.COLOR_RGB2BGR))
         self._write_image(DEPTH, stem, millimetres(depth))
-        try:
-            with open(self.folder / TIMESTAMPS, "a", encoding="utf-8") as file:
-                file.write(f"{stem},{t:.6f}\n")
-        except OSError as problem:
-            raise DemonstrationError(
-                f"{self.folder / TIMESTAMPS}: cannot be written: {problem.strerror}"
-            ) from None
+        append(self.folder / TIMESTAMPS, f"{stem},{t:.6f}\n", error=DemonstrationError)
         self.times.append(t)
 
     def write_truth(self, arrays: dict[str, NDArray[Any]]) -> None:

@@ -16,9 +16,6 @@ from foreign_files import (
     write_model,
 )
 
-from bath_drake import files
-from bath_drake.errors import DemonstrationError
-
 ROWS = np.column_stack([T, HAND])
 
 
@@ -85,24 +82,6 @@ def test_what_looks_like_another_unit_is_noted(imported, tmp_path):
     _, said = imported(metres, "--marker", "HAND")
     assert "metres? then --units m" in said
     assert "note" not in imported(metres, "--marker", "HAND", "--units", "m")[1]
-
-
-def test_an_earlier_demonstration_survives_a_failure(tmp_path, monkeypatch):
-    old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
-    old.write_bytes(b"before")
-    write = files.write_atomically
-
-    def failing(path, content, *, error):
-        if path.suffix == ".csv":
-            raise error("no space")
-        write(path, content, error=error)
-
-    monkeypatch.setattr(files, "write_atomically", failing)
-    together = {old: b"after", new: b"new", tmp_path / "a.csv": b""}
-    with pytest.raises(DemonstrationError, match="no space"):
-        files.write_all(together, error=DemonstrationError)
-    assert old.read_bytes() == b"before"
-    assert not new.exists()
 
 
 @pytest.mark.parametrize("suffix", ["csv", "npz", "c3d", "xml", "bag", "mcap", "db3"])
