@@ -20,6 +20,7 @@ from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.schema import fill
+from bath_drake.washing.config import WashingConfig, check_washing
 from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import dump_yaml, read_yaml
 
@@ -75,6 +76,8 @@ class Limits:
     surface_error_max_mm: float | None = 15.0
     normal_error_mean_deg: float | None = 5.0
     restricted_entries: int = 0
+    coverage: float | None = None  # least share of the target skin, 0 to 1
+    wound_wetted_cm2: float | None = None
 
 
 @dataclass(kw_only=True)
@@ -92,6 +95,7 @@ class Scenario:
     scene: SceneConfig = field(default_factory=SceneConfig)
     perception: PerceptionConfig = field(default_factory=PerceptionConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
+    washing: WashingConfig = field(default_factory=WashingConfig)
     limits: Limits = field(default_factory=Limits)
     faults: FaultScript = field(default_factory=FaultScript)
     # Judges the run by the guard's reaction alone; null: by the limits.
@@ -160,6 +164,12 @@ def check_scenario(scenario: Scenario) -> None:
     for key, value in vars(scenario.limits).items():
         if value is not None and not value >= 0:
             raise ValueError(f"limits.{key}: found {value}, allowed 0 and up, or null")
+    if scenario.limits.coverage is not None:
+        _check_range("limits.coverage", scenario.limits.coverage, 0.0, 1.0)
+    try:
+        check_washing(scenario.washing)
+    except ValueError as error:
+        raise ValueError(f"washing.{error}") from error
     try:
         check_script(scenario.faults)
     except ValueError as error:

@@ -21,6 +21,7 @@ PURE = (
     "patient",
     "carer",
     "faults",
+    "washing",
 )
 # A module may import from its own room and from those before it.
 ORDER = (
@@ -35,7 +36,7 @@ ORDER = (
     ("perception", "rhythm"),
     ("demonstrations",),
     ("learning", "safety", "patient"),
-    ("carer", "faults"),
+    ("carer", "faults", "washing"),
     ("control",),
     ("branch_file", "rhythm_file"),
     ("skill_file",),
