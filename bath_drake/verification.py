@@ -42,6 +42,7 @@ from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
+from bath_drake.strokes import planned_strokes
 from bath_drake.systems._ports import drake_vector
 from bath_drake.washing.config import washing_tool
 from bath_drake.washing.outcome import WashOutcome, wash_outcome
@@ -174,7 +175,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "restricted_min_clearance_mm": least(clearance),
         "min_beta": least_beta(log, washing),
         "coverage": wash.coverage,
-        "washing": wash.figures(),
+        "washing": {**wash.figures(), "strokes": len(planned_strokes(scenario)) or 1},
         "perception": scenario.perception.source,
         "frames": int(log.frames),
         "dropped_frames": dropped_frames(

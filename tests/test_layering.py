@@ -43,6 +43,7 @@ ORDER = (
     ("systems",),
     ("scene",),
     ("scenario", "wiring"),
+    ("strokes",),
     (
         "control_diagram",
         "canonical_diagram",
