@@ -54,6 +54,10 @@ def limit_checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str,
             metrics["restricted_entries"],
             limits.restricted_entries,
         ),
+        "wound_wetted_cm2": (
+            metrics["washing"]["wound_wetted_cm2"],
+            limits.wound_wetted_cm2,
+        ),
         "washed_off_the_body": (metrics["washed_off_the_body"], 0),
         "moved_unproved": (metrics["certificate"]["samples_moved_unproved"], 0),
     }
@@ -73,4 +77,8 @@ def limit_checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str,
         if limit is not None:
             passed = value is not None and bool(value <= limit)
             checks[name] = {"value": value, "limit": limit, "pass": passed}
+    if limits.coverage is not None:
+        share = metrics["coverage"]
+        passed = share is not None and bool(share >= limits.coverage)
+        checks["coverage"] = {"value": share, "limit": limits.coverage, "pass": passed}
     return checks

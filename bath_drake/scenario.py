@@ -20,6 +20,7 @@ from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.schema import fill
+from bath_drake.washing.config import WashingConfig, check_washing
 from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import dump_yaml, read_yaml
 
@@ -66,6 +67,24 @@ class ControlConfig:
 
 
 @dataclass(kw_only=True)
+class StrokeConfig:
+    """One of several strokes that are washed in turn."""
+
+    start: list[float] = field(default_factory=lambda: [-0.6, 0.0])  # canonical
+    goal: list[float] = field(default_factory=lambda: [0.6, 0.0])  # canonical
+    skill: str | None = None  # a path or a name as the scenario's; null: the scenario's
+
+
+@dataclass(kw_only=True)
+class LanesConfig:
+    """Strokes to and fro across a box of canonical space, from below upwards."""
+
+    low: list[float] = field(default_factory=lambda: [-0.6, -0.5])
+    high: list[float] = field(default_factory=lambda: [0.6, 0.5])
+    spacing: float = 0.17  # canonical, at most
+
+
+@dataclass(kw_only=True)
 class Limits:
     """What the verification judges the run by; null asks for the figure alone."""
 
@@ -75,6 +94,8 @@ class Limits:
     surface_error_max_mm: float | None = 15.0
     normal_error_mean_deg: float | None = 5.0
     restricted_entries: int = 0
+    coverage: float | None = None  # least share of the target skin, 0 to 1
+    wound_wetted_cm2: float | None = None
 
 
 @dataclass(kw_only=True)
@@ -85,6 +106,10 @@ class Scenario:
     random_seed: int = 0
     duration: float = 40.0  # s, the longest run
     skill: str = "back_sinusoid.yaml"  # a path, or a name in models/skills
+    # Start and goal pairs, each a stroke through a skill, in turn; or lanes across a
+    # box. Neither: the skill's own stroke.
+    strokes: list[StrokeConfig] = field(default_factory=list)
+    lanes: LanesConfig | None = None
     # Paths, or names in models/demonstrations.
     demonstrations: list[str] = field(
         default_factory=lambda: [f"back_sinusoid_{k}.csv" for k in (1, 2, 3)]
@@ -92,6 +117,7 @@ class Scenario:
     scene: SceneConfig = field(default_factory=SceneConfig)
     perception: PerceptionConfig = field(default_factory=PerceptionConfig)
     control: ControlConfig = field(default_factory=ControlConfig)
+    washing: WashingConfig = field(default_factory=WashingConfig)
     limits: Limits = field(default_factory=Limits)
     faults: FaultScript = field(default_factory=FaultScript)
     # Judges the run by the guard's reaction alone; null: by the limits.
@@ -121,6 +147,8 @@ _RANGES: dict[str, dict[str, tuple[float, float]]] = {
     },
 }
 _LONGEST_RUN_S = 3600.0
+# Canonical: of a stroke, and between two lanes.
+_SHORTEST_STROKE, _LEAST_SPACING = 0.05, 0.05
 
 
 def _check_range(key: str, value: float, low: float, high: float) -> None:
@@ -160,6 +188,13 @@ def check_scenario(scenario: Scenario) -> None:
     for key, value in vars(scenario.limits).items():
         if value is not None and not value >= 0:
             raise ValueError(f"limits.{key}: found {value}, allowed 0 and up, or null")
+    _check_strokes(scenario)
+    if scenario.limits.coverage is not None:
+        _check_range("limits.coverage", scenario.limits.coverage, 0.0, 1.0)
+    try:
+        check_washing(scenario.washing)
+    except ValueError as error:
+        raise ValueError(f"washing.{error}") from error
     try:
         check_script(scenario.faults)
     except ValueError as error:
@@ -173,6 +208,34 @@ def check_scenario(scenario: Scenario) -> None:
         check_scene(scenario.scene)
     except ValueError as error:
         raise ValueError(f"scene: {error}") from error
+
+
+def _check_strokes(scenario: Scenario) -> None:
+    for k, stroke in enumerate(scenario.strokes):
+        for key in ("start", "goal"):
+            _check_corner(f"strokes[{k}].{key}", getattr(stroke, key))
+        if math.dist(stroke.start, stroke.goal) < _SHORTEST_STROKE:
+            raise ValueError(
+                f"strokes[{k}].goal: found {stroke.goal}, allowed {_SHORTEST_STROKE} or"
+                f" more from the start"
+            )
+    lanes = scenario.lanes
+    if lanes is None:
+        return
+    if scenario.strokes:
+        raise ValueError("lanes: found beside strokes, allowed one of the two")
+    _check_corner("lanes.low", lanes.low)
+    _check_corner("lanes.high", lanes.high)
+    _check_range("lanes.spacing", lanes.spacing, _LEAST_SPACING, 1.0)
+    if not all(a < b for a, b in zip(lanes.low, lanes.high, strict=True)):
+        raise ValueError(
+            f"lanes.high: found {lanes.high}, allowed more than lanes.low {lanes.low}"
+        )
+
+
+def _check_corner(key: str, point: list[float]) -> None:
+    if len(point) != 2 or not all(-1.0 <= value <= 1.0 for value in point):
+        raise ValueError(f"{key}: found {point}, allowed two numbers of -1 to 1")
 
 
 def approach_limits(scenario: Scenario) -> ApproachLimits:

@@ -42,7 +42,12 @@ from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
+from bath_drake.strokes import planned_strokes
 from bath_drake.systems._ports import drake_vector
+from bath_drake.washing.config import washing_tool
+from bath_drake.washing.outcome import WashOutcome, wash_outcome
+from bath_drake.washing.places import back_places
+from bath_drake.washing.washed_places import washed_seconds
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,6 +72,7 @@ class Evaluation:
         mean_demonstration: (T, 2) of the skill's demonstrations.
         rollout: (T, 2) of the skill, no simulator.
         world: The world the run ended in, certified anew.
+        wash: The skin that jet or sponge reached.
     """
 
     metrics: dict[str, Any]
@@ -84,6 +90,7 @@ class Evaluation:
     mean_demonstration: FloatArray
     rollout: FloatArray
     world: CertifiedWorld
+    wash: WashOutcome
 
 
 def pose_from_row(row: FloatArray) -> RigidTransform:
@@ -124,6 +131,24 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     ]
     clearance = _clearance(skin.canonical_map.plane_from_world(hits)[:, :2], outlines)
     path = chain_rollout(skill.start, skill.chain).path
+    places = back_places(skin, scenario.washing.pitch)
+    wash = wash_outcome(
+        places,
+        washed_seconds(
+            skin,
+            places,
+            scenario.scene.motion,
+            time,
+            nozzle,
+            jet,
+            washing_tool(scenario.washing),
+        ),
+        scenario.washing,
+        stroke=skill.mean_demonstration,
+        half_extents=half,
+        wounds=outlines,
+        spared=_spared(scenario),
+    )
     surface_error = (distance - scenario.control.standoff) * 1e3
     normal_error = np.degrees(np.arccos(cosine))
     speed = _speed(time[met], hits)
@@ -149,7 +174,8 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "restricted_entries": _entries(clearance) + made_up_entries,
         "restricted_min_clearance_mm": least(clearance),
         "min_beta": least_beta(log, washing),
-        "coverage": None,
+        "coverage": wash.coverage,
+        "washing": {**wash.figures(), "strokes": len(planned_strokes(scenario)) or 1},
         "perception": scenario.perception.source,
         "frames": int(log.frames),
         "dropped_frames": dropped_frames(
@@ -198,6 +224,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         mean_demonstration=skill.mean_demonstration,
         rollout=path,
         world=world,
+        wash=wash,
     )
 
 
@@ -206,6 +233,13 @@ def versions() -> dict[str, str]:
     packages = ("drake", "numpy", "numba", "open3d-cpu")
     found = {name: importlib.metadata.version(name) for name in packages}
     return {"bath_drake": __version__, "python": platform.python_version(), **found}
+
+
+def _spared(scenario: Scenario) -> float:
+    """How far around wounds skin is not to be washed, m."""
+    if scenario.washing.spared is not None:
+        return scenario.washing.spared
+    return scenario.perception.area_margin
 
 
 def _nozzle_in_mesh(

@@ -18,6 +18,7 @@ from bath_drake.run_folder import simulate_into
 from bath_drake.scenario import find_skill, load_scenario
 from bath_drake.simulation import run
 from bath_drake.skill_file import load_skill
+from bath_drake.strokes import scenario_skill
 from bath_drake.systems.ideal_segmenter import IdealSegmenter
 from bath_drake.systems.kinematic_arm import KinematicArm
 from bath_drake.verification import evaluate
@@ -33,10 +34,12 @@ def fast(name, **changes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["reproduction", "restricted_area", "bending"])
+@pytest.mark.parametrize(
+    "name", ["reproduction", "restricted_area", "bending", "pour", "coverage"]
+)
 def test_the_run_passes_verification(name):
     scenario = fast(name)
-    skill = load_skill(find_skill(scenario.skill))
+    skill = scenario_skill(scenario)
     log = run(build_reproduction(scenario, skill), scenario)
     metrics = evaluate(log, scenario, skill).metrics
     assert metrics["verdict"] == "pass"

@@ -21,6 +21,7 @@ PURE = (
     "patient",
     "carer",
     "faults",
+    "washing",
 )
 # A module may import from its own room and from those before it.
 ORDER = (
@@ -35,13 +36,14 @@ ORDER = (
     ("perception", "rhythm"),
     ("demonstrations",),
     ("learning", "safety", "patient"),
-    ("carer", "faults"),
+    ("carer", "faults", "washing"),
     ("control",),
     ("branch_file", "rhythm_file"),
     ("skill_file",),
     ("systems",),
     ("scene",),
     ("scenario", "wiring"),
+    ("strokes",),
     (
         "control_diagram",
         "canonical_diagram",

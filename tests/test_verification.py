@@ -111,6 +111,29 @@ def test_the_errors_run_from_the_first_standoff(perfect, skill):
     assert evaluate(wild, Scenario(), skill).metrics == evaluation.metrics
 
 
+def test_a_jet_over_its_stroke_covers_it_and_one_beside_it_does_not(make, skill):
+    scenario = Scenario()
+    scenario.limits.coverage = 0.95
+    assert failed(make(), skill, scenario) == set()
+    assert evaluate(make(), scenario, skill).metrics["coverage"] == 1.0
+    # A tenth beside it is 24 mm: a third of the band and more stays dry.
+    beside = make(up=0.1)
+    metrics = evaluate(beside, scenario, skill).metrics
+    assert 0.3 < metrics["coverage"] < 0.75
+    assert "coverage" in failed(beside, skill, scenario)
+
+
+def test_water_on_a_wound_fails_only_where_it_is_limited(make, skill):
+    scenario = wounded([0.2, 0.2])
+    log = make(scenario)
+    wetted = evaluate(log, scenario, skill).metrics["washing"]["wound_wetted_cm2"]
+    # The jet's axis keeps off, the jet does not.
+    assert "restricted_entries" not in failed(log, skill, scenario)
+    assert wetted > 1.0
+    scenario.limits.wound_wetted_cm2 = 0.5
+    assert "wound_wetted_cm2" in failed(log, skill, scenario)
+
+
 @pytest.mark.parametrize("error", [0.006, -0.006])
 def test_six_millimetres_off_the_standoff_fail(make, skill, error):
     log = make(standoff_error=error)

@@ -28,13 +28,8 @@ def run(options: argparse.Namespace) -> int:
     """Returns 0 if the verification passes, 1 if not; 0 if a carer was filmed."""
     from bath_drake.commands._options import record_and_report, run_and_report
     from bath_drake.patient.people import find_person, load_person
-    from bath_drake.scenario import (
-        check_scenario,
-        find_scenario,
-        find_skill,
-        load_scenario,
-    )
-    from bath_drake.skill_file import load_skill
+    from bath_drake.scenario import check_scenario, find_scenario, load_scenario
+    from bath_drake.strokes import scenario_skill
 
     path = find_scenario(options.scenario)
     scenario = load_scenario(path)
@@ -53,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     if scenario.scene.carer is not None:
         _check_filming(options)
         return record_and_report(options.record, scenario)
-    skill = load_skill(find_skill(options.skill or scenario.skill))
+    skill = scenario_skill(scenario, options.skill)
     folder = options.out or Path("runs") / path.stem
     return run_and_report(folder, scenario, skill, options.meshcat, options.record)
 

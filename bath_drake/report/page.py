@@ -24,6 +24,7 @@ from bath_drake.report.tables import (
     milliseconds,
     number,
     provenance,
+    washing_rows,
 )
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.scenario import Scenario
@@ -93,6 +94,7 @@ def render_report(run: RunData) -> str:
         frechet=frechet_rows(run),
         generalisation_header=HEADER,
         generalisation=generalisation_rows(run.generalisation),
+        washing=washing_rows(run),
         certificate=certificate_rows(run),
         certificate_text=certificate_text(run.evaluation.world.certificate),
         holds=hold_rows(run.metrics["holds"]),

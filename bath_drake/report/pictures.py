@@ -9,12 +9,15 @@ from matplotlib.figure import Figure
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.certificate_figure import draw_certificate
+from bath_drake.report.coverage_figure import draw_coverage
 from bath_drake.report.cycle_figure import draw_cycle
 from bath_drake.report.generalisation_figure import draw_generalisation
 from bath_drake.report.run_data import RunData
 from bath_drake.report.tables import frechet_text, number
 
 _KEYFRAMES = 3
+# Figures in which pixels dominate.
+_RASTERS = ("camera", "sequence", "cloud", "generalisation", "coverage")
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ def draw_pictures(run: RunData) -> dict[str, Picture]:
 
     def add(name: str, figure: Figure | None, text: str, caption: str) -> None:
         if figure is not None:
-            raster = name in ("camera", "sequence", "cloud", "generalisation")
+            raster = name in _RASTERS
             source = style.as_data_uri(figure, raster=raster)
             pictures[name] = Picture(source, text, caption)
 
@@ -131,6 +134,21 @@ def draw_pictures(run: RunData) -> dict[str, Picture]:
             "areas and the body's edge it shrinks; what is washed includes the arm's "
             "lag and the body's motion.",
         )
+    share = run.evaluation.wash.coverage
+    add(
+        "coverage",
+        draw_coverage(
+            series.wash,
+            series.executed,
+            series.wound_polygons_N,
+            "–" if share is None else f"{100 * share:.1f} %",
+            run.scenario.limits.coverage,
+        ),
+        "Coverage: the skin that was washed, and what was missed",
+        "The true skin that was in the footprint of the jet or the sponge, carried "
+        "along where the back bends. Dashed: what was to be washed, without what is to "
+        "be spared around wounds.",
+    )
     add(
         "clearance",
         time_figures.draw_clearance(run),

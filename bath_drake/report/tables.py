@@ -78,6 +78,12 @@ def milliseconds(seconds: float | None) -> str | None:
     return None if seconds is None else f"{number(1e3 * seconds)} ms"
 
 
+def washing_rows(run: RunData) -> list[tuple[str, str]]:
+    """What was to be washed, what was, and what got wet besides."""
+    figures = run.metrics.get("washing") or {}
+    return [(words(name), number(figures[name])) for name in figures]
+
+
 def frechet_text(run: RunData) -> str:
     """Learned, executed and floor, as far as the skill knows them."""
     learned = number(run.metrics["frechet"].get("learned"))
@@ -121,7 +127,13 @@ def check_rows(checks: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def words(name: str) -> str:
     """A check's key as words: units in brackets."""
-    for end, unit in (("_mm", "mm"), ("_deg", "°"), ("_s", "s"), ("_m_s", "m/s")):
+    for end, unit in (
+        ("_cm2", "cm²"),
+        ("_mm", "mm"),
+        ("_deg", "°"),
+        ("_s", "s"),
+        ("_m_s", "m/s"),
+    ):
         if name.endswith(end):
             return f"{name.removesuffix(end).replace('_', ' ')} [{unit}]"
     return name.replace("_", " ").replace("frechet", "Fréchet")

@@ -63,7 +63,7 @@ def test_the_page_loads_nothing_and_runs_nothing(page, page_text):
 
 
 def test_every_figure_of_a_plain_run_is_there_with_a_text(page):
-    assert len(_figures(page)) == 9
+    assert len(_figures(page)) == 10
     assert all(_figures(page))
 
 

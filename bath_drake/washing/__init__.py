@@ -1,0 +1,1 @@
+"""What washing comes to on the true skin: jet, sponge, what they covered."""
