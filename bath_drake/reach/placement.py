@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bath_drake.notation import FloatArray
+from bath_drake.reach.along_path import Manner, descent, even
 from bath_drake.reach.back import Back, nozzle_poses
 from bath_drake.reach.clearance import clearance, pedestal_clearance
 from bath_drake.reach.follow import follow, joined
 from bath_drake.reach.judge import Cause, judge
 from bath_drake.reach.kinematics import ArmModel
-from bath_drake.reach.regions import Manner, descent, even, grid, over
+from bath_drake.reach.over_back import grid, over
 
 # The path and the back are looked at in such steps, in N: coarser than the precheck.
 _PATH_STEP, _PITCH, _REACH = 0.06, 0.25, 0.75

@@ -8,10 +8,12 @@ import numpy as np
 from bath_drake.control_diagram import guard_limits
 from bath_drake.learning.skill import Skill
 from bath_drake.patient.people import load_person
+from bath_drake.reach.along_path import Manner, along
 from bath_drake.reach.back import true_back
 from bath_drake.reach.clearance import body_points
 from bath_drake.reach.judge import Cause, Places, worst
 from bath_drake.reach.kinematics import ArmModel
+from bath_drake.reach.over_back import over
 from bath_drake.reach.path import driven_path
 from bath_drake.reach.placement import (
     Placement,
@@ -19,7 +21,6 @@ from bath_drake.reach.placement import (
     placement_map,
     search_placement,
 )
-from bath_drake.reach.regions import Manner, along, over
 from bath_drake.safety.limits import GuardLimits
 from bath_drake.scenario import Scenario
 

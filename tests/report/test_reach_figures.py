@@ -7,9 +7,9 @@ import pytest
 
 from bath_drake import cli
 from bath_drake.reach.judge import Cause, Places
+from bath_drake.reach.over_back import grid
 from bath_drake.reach.placement import Placement, PlacementMap
 from bath_drake.reach.precheck import Reachability
-from bath_drake.reach.regions import grid
 from bath_drake.report import style
 from bath_drake.report.reach_figures import draw_placement, draw_reachability
 from bath_drake.safety.limits import GuardLimits

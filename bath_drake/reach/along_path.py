@@ -1,4 +1,4 @@
-"""Where the arm gets: along a path of the skill, and over the whole back."""
+"""Where the arm gets along a path of the skill, from home on."""
 
 from dataclasses import dataclass
 
@@ -6,13 +6,11 @@ import numpy as np
 
 from bath_drake.notation import FloatArray
 from bath_drake.reach.back import Back, PosedBack, nozzle_poses
-from bath_drake.reach.follow import Followed, Poses, follow, joined, way_to
-from bath_drake.reach.judge import Cause, Places, judge, nowhere, worst
+from bath_drake.reach.follow import Poses, follow, joined, way_to
+from bath_drake.reach.judge import Cause, Places, judge
 from bath_drake.reach.kinematics import ArmModel
 from bath_drake.safety.limits import GuardLimits
 
-# Of the map's grid, in N.
-PITCH, REACH = 0.1, 1.0
 # Between the points of a path that are looked at, in N.
 _PATH_STEP = 0.02
 
@@ -36,13 +34,6 @@ class Manner:
     limits: GuardLimits
 
 
-def grid(reach: float = REACH, pitch: float = PITCH) -> FloatArray:
-    """Returns the canonical points (k, k, 2) of a map, rows from the seat up."""
-    half = round(reach / pitch)
-    steps = pitch * np.arange(-half, half + 1)
-    return np.stack(np.meshgrid(steps, steps), axis=-1)
-
-
 def along(
     arm: ArmModel, back: Back, path_N: FloatArray, manner: Manner
 ) -> list[Places]:
@@ -54,28 +45,6 @@ def along(
     """
     path_N = even(path_N, _PATH_STEP)
     return [_along(arm, posed, path_N, manner) for posed in back.poses]
-
-
-def over(
-    arm: ArmModel,
-    back: Back,
-    manner: Manner,
-    points_N: FloatArray | None = None,
-) -> Places:
-    """Goes all over the back: from home to its middle, up and down, and to the sides.
-
-    Args:
-        arm: The arm.
-        back: Of the person.
-        manner: How to move.
-        points_N: (rows, columns, 2) a grid in N; None for `grid()`.
-
-    Returns:
-        The grid's points, row after row. One beyond a place that is not reached may be
-        reached all the same.
-    """
-    points_N = grid() if points_N is None else points_N
-    return worst([_over(arm, posed, points_N, manner) for posed in back.poses])
 
 
 def _along(
@@ -124,47 +93,6 @@ def descent(
     way = way_to(arm, arm.home, far, -normal)
     down = (manner.far_standoff - manner.standoff) / manner.approach_speed
     return joined([way, Poses(near[None], -normal[None], np.array([down]))])
-
-
-def _over(
-    arm: ArmModel, posed: PosedBack, points_N: FloatArray, manner: Manner
-) -> Places:
-    rows, columns = points_N.shape[:2]
-    flat = points_N.reshape(-1, 2)
-    points, normals, met = posed.skin(flat)
-    poses = (points.reshape(rows, columns, 3), normals.reshape(rows, columns, 3))
-    skin = met.reshape(rows, columns)
-    row, column = rows // 2, columns // 2
-    found = nowhere(flat)
-    begin = descent(arm, poses[0][row, column], poses[1][row, column], manner)
-    q = follow(arm, begin).q[-1]
-
-    def go(q: FloatArray, cells: list[tuple[int, int]]) -> Followed:
-        """Along cells in turn; where it has been is written down, where there is."""
-        at = tuple(np.array(cells).T)
-        wash = nozzle_poses(
-            poses[0][at], poses[1][at], manner.standoff, manner.washing_speed
-        )
-        followed = follow(arm, wash, q)
-        index = np.ravel_multi_index(at, (rows, columns))
-        judged = judge(arm, flat[index], followed, manner.limits)
-        for name, array in vars(judged).items():
-            getattr(found, name)[index] = array
-        return followed
-
-    def run(q: FloatArray, cells: list[tuple[int, int]]) -> list[FloatArray]:
-        """As far as there is skin; returns where the arm then was."""
-        count = next((k for k, cell in enumerate(cells) if not skin[cell]), len(cells))
-        return list(go(q, cells[:count]).q) if count else []
-
-    upwards = run(q, [(i, column) for i in range(row, rows)])
-    downwards = run(q, [(i, column) for i in range(row, -1, -1)])
-    trunk = {row + k: there for k, there in enumerate(upwards)}
-    trunk |= {row - k: there for k, there in enumerate(downwards)}
-    for i, there in trunk.items():
-        run(there, [(i, j) for j in range(column, columns)])
-        run(there, [(i, j) for j in range(column, -1, -1)])
-    return found
 
 
 def even(path_N: FloatArray, step: float) -> FloatArray:

@@ -7,13 +7,14 @@ import pytest
 
 from bath_drake.patient.motion import MotionConfig, person_displacement, trunk_bend
 from bath_drake.patient.people import load_person
+from bath_drake.reach.along_path import Manner, along, even
 from bath_drake.reach.back import extreme_motions, nozzle_poses, true_back
 from bath_drake.reach.clearance import body_points, clearance, pedestal_clearance
 from bath_drake.reach.judge import Cause
 from bath_drake.reach.kinematics import ArmModel
+from bath_drake.reach.over_back import grid, over
 from bath_drake.reach.placement import PlacementGrid, placement_map, search_placement
 from bath_drake.reach.precheck import not_reached, reachability
-from bath_drake.reach.regions import Manner, along, even, grid, over
 from bath_drake.safety.limits import load_limits
 from bath_drake.scenario import Scenario, find_skill, load_scenario
 from bath_drake.scene.config import ArmConfig, SceneConfig
