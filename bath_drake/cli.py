@@ -25,6 +25,7 @@ VERBS = {
     "learn": "learn one skill from one or more demonstration files",
     "reproduce": "roll a skill out, no simulator",
     "certify": "check that a field has no trap",
+    "reach": "whether the arm gets all over the path, and from where it would",
     "simulate": "build a scenario's Diagram, run it closed-loop, judge it",
     "report": "write report.html out of a run's folder",
     "diagram": "draw a scenario's block diagram",

@@ -35,7 +35,7 @@ from bath_drake.systems.world_reconciler import WorldReconciler
 from bath_drake.wiring import add_all, connect
 
 # What is planned stays this much further from the guard's limits: rad, and a share.
-_PLANNED_MARGIN, _PLANNED_SHARE = 0.02, 0.8
+PLANNED_MARGIN, PLANNED_SHARE = 0.02, 0.8
 
 
 def add_control(
@@ -74,8 +74,8 @@ def add_control(
                 plant=arm,
                 home=home_position(scenario.scene.arm),
                 posture=np.array(scenario.scene.arm.posture),
-                joint_margin=limits.joints.margin + _PLANNED_MARGIN,
-                joint_acceleration=_PLANNED_SHARE * min(limits.joints.acceleration),
+                joint_margin=limits.joints.margin + PLANNED_MARGIN,
+                joint_acceleration=PLANNED_SHARE * min(limits.joints.acceleration),
             ),
             "canonical_guard": CanonicalGuard(limits=limits),
             "joint_guard": _joint_guard(arm, scenario, limits),

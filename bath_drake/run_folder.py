@@ -42,6 +42,7 @@ def simulate_into(
     *,
     meshcat: Meshcat,
     progress: Progress | None = None,
+    reach: dict[str, Any] | None = None,
     write_frame: WriteFrame | None = None,
 ) -> Evaluation:
     """Runs a scenario and leaves everything it came to in `folder`.
@@ -52,6 +53,7 @@ def simulate_into(
         skill: What to reproduce.
         meshcat: Shows the run live and records it.
         progress: See `bath_drake.simulation.run`.
+        reach: What was said of the reach beforehand, for metrics.json.
         write_frame: Takes every frame of the camera; None records nothing.
     """
     # A stale verdict must not stand beside a run that fails half-way.
@@ -67,6 +69,8 @@ def simulate_into(
     meshcat.StopRecording()
     log.save(folder / LOG)
     evaluation = evaluate(log, scenario, skill)
+    if reach is not None:
+        evaluation.metrics["reachability"] = reach
     write_metrics(folder / METRICS, evaluation.metrics)
     record_skin(meshcat, scenario, float(log.time[-1]))
     record_overlays(meshcat, log, evaluation, skill, BackPose(scenario))

@@ -51,7 +51,7 @@ ORDER = (
         "fault_diagram",
     ),
     ("diagrams", "recording_diagram"),
-    ("recorded_perception",),
+    ("recorded_perception", "reach"),
     ("simulation_log",),
     ("simulation",),
     ("carer_recording",),

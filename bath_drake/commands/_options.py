@@ -14,6 +14,7 @@ from bath_drake.demonstrations.rgbd.writer import RgbdWriter, check_recording_ou
 from bath_drake.errors import ScenarioError
 from bath_drake.folder_lock import locked
 from bath_drake.learning.skill import Skill
+from bath_drake.reach.precheck import reachability
 from bath_drake.recording_diagram import build_recording
 from bath_drake.run_folder import (
     PAGE,
@@ -88,6 +89,9 @@ def run_and_report(
             )
         check_recording_output(record)
     make_run_folder(folder)
+    # Said before anything moves; what is not reached is no reason not to try.
+    reach = reachability(scenario, skill)
+    print("\n".join(reach.lines()), flush=True)
     writer = None if record is None else begin_recording(record, scenario.scene.camera)
     # Drake sets its own level on import; the address is printed below if wanted.
     logging.getLogger("drake").setLevel(logging.WARNING)
@@ -101,6 +105,7 @@ def run_and_report(
             skill,
             meshcat=meshcat,
             progress=progress,
+            reach=reach.metrics(),
             write_frame=None if writer is None else writer.write,
         )
     print("\n".join(verdict_lines(evaluation.metrics)))

@@ -7,11 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.reach.precheck import reachability
 from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.certificate_figure import draw_certificate
 from bath_drake.report.coverage_figure import draw_coverage
 from bath_drake.report.cycle_figure import draw_cycle
 from bath_drake.report.generalisation_figure import draw_generalisation
+from bath_drake.report.reach_figures import draw_placement, draw_reachability
 from bath_drake.report.run_data import RunData
 from bath_drake.report.tables import frechet_text, number
 
@@ -162,10 +164,30 @@ def draw_pictures(run: RunData) -> dict[str, Picture]:
         "Shaded: lining up and coming down. The guard: yellow where it holds, orange "
         "where it retreats, red where it has stopped. Dashed: limits.",
     )
+    if run.metrics.get("reachability") is not None:
+        _add_reach_pictures(run, add)
     # Ideal perception takes no images.
     if frame is not None and run.scenario.perception.source != "ideal":
         _add_camera_pictures(run, add)
     return pictures
+
+
+def _add_reach_pictures(run: RunData, add: Any) -> None:
+    found = reachability(run.scenario, run.skill, floor=True)
+    add(
+        "reach",
+        draw_reachability(found),
+        "The back in canonical space, coloured by condition number and joint margin",
+        "Where the arm gets on this back, with the person as twisted and leant as it "
+        "ever is, and the path on it. "
+        + " ".join(line.partition(":")[2].strip() + "." for line in found.lines()),
+    )
+    add(
+        "base",
+        draw_placement(found),
+        "Places of the base, coloured by what they would reach",
+        "What the same arm would reach from other places on the floor.",
+    )
 
 
 def _add_camera_pictures(run: RunData, add: Any) -> None:

@@ -19,7 +19,7 @@ LOOKAHEAD = 0.15
 _LOOKS = 3
 
 # Each joint's origin in the link before it, m, and sine and cosine of its turn about x.
-_ORIGINS = np.array(
+ORIGINS = np.array(
     [
         [0.0, 0.0, 0.333],
         [0.0, 0.0, 0.0],
@@ -30,9 +30,9 @@ _ORIGINS = np.array(
         [0.088, 0.0, 0.0],
     ]
 )
-_TURNS = np.array([0.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
+TURNS = np.array([0.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
 # Of the nozzle along link 7's z, m: it is counted as link 8.
-_FLANGE = 0.107
+FLANGE = 0.107
 NOZZLE = 8
 # Link; its segment's two ends in the link's frame; its radius, m. Least in volume.
 CAPSULES = np.array(
@@ -116,13 +116,13 @@ def self_distance_ahead(
     if not np.isfinite(q + way).all():
         return nan
     looks = _LOOKS if way.any() else 1
-    return float(_least(q, way, looks, _ORIGINS, _TURNS, _FLANGE, CAPSULES, PAIRS))
+    return float(_least(q, way, looks, ORIGINS, TURNS, FLANGE, CAPSULES, PAIRS))
 
 
 def capsule_ends(q: FloatArray) -> FloatArray:
     """Returns both ends of every capsule's segment, (n, 2, 3), in the arm's base B."""
     q = np.ascontiguousarray(q, dtype=np.float64)
-    ends: FloatArray = _ends(q, _ORIGINS, _TURNS, _FLANGE, CAPSULES)
+    ends: FloatArray = _ends(q, ORIGINS, TURNS, FLANGE, CAPSULES)
     return ends
 
 

@@ -1,0 +1,39 @@
+"""What is foretold of a path is what the closed loop then comes to."""
+
+import numpy as np
+import pytest
+
+from bath_drake.control.approach import Phase
+from bath_drake.diagrams import build_reproduction
+from bath_drake.reach.kinematics import condition_number
+from bath_drake.reach.precheck import reachability
+from bath_drake.scenario import find_skill, load_scenario
+from bath_drake.simulation import run
+from bath_drake.skill_file import load_skill
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("person", ["m_heavy", "f_thin"])
+def test_the_loops_condition_numbers_along_the_path_are_those_foretold(person):
+    scenario = load_scenario("reproduction")
+    scenario.scene.person = person
+    scenario.perception.source = "ideal"
+    scenario.scene.arm.fidelity = "kinematic"
+    motion = scenario.scene.motion
+    motion.twist_amplitude = motion.lean_amplitude = motion.breath_amplitude = 0.0
+    skill = load_skill(find_skill(scenario.skill))
+    found = reachability(scenario, skill, back=False)
+    assert found.path.reached
+    log = run(build_reproduction(scenario, skill), scenario)
+    assert log.outcome == "GOAL_REACHED"
+    washing = log.phase == Phase.WASH
+    loop = np.array([condition_number(q) for q in log.checked_command[washing][:, :7]])
+    reference = log.canonical_reference[washing]
+    apart = np.linalg.norm(reference[:, None] - found.rest.p_N[None], axis=2)
+    foretold = found.rest.condition[apart.argmin(axis=1)]
+    ratio = loop / foretold
+    # The loop slows down at the goal, where its null space is drawn on; between the
+    # path's points, 0.02 apart, the condition number changes as well.
+    assert abs(ratio - 1.0).mean() < 0.03
+    assert abs(ratio - 1.0).max() < 0.2
+    assert loop.max() == pytest.approx(foretold.max(), rel=0.1)

@@ -1,0 +1,183 @@
+"""What is said of a path and of a back holds, and is said the same again."""
+
+import json
+
+import numpy as np
+import pytest
+
+from bath_drake.patient.motion import MotionConfig, person_displacement, trunk_bend
+from bath_drake.patient.people import load_person
+from bath_drake.reach.along_path import Manner, along, even
+from bath_drake.reach.back import extreme_motions, nozzle_poses, true_back
+from bath_drake.reach.clearance import body_points, clearance, pedestal_clearance
+from bath_drake.reach.judge import Cause
+from bath_drake.reach.kinematics import ArmModel
+from bath_drake.reach.over_back import grid, over
+from bath_drake.reach.placement import PlacementGrid, placement_map, search_placement
+from bath_drake.reach.precheck import not_reached, reachability
+from bath_drake.safety.limits import load_limits
+from bath_drake.scenario import Scenario, find_skill, load_scenario
+from bath_drake.scene.config import ArmConfig, SceneConfig
+from bath_drake.skill_file import load_skill
+
+STILL = MotionConfig(breath_amplitude=0.0, twist_amplitude=0.0, lean_amplitude=0.0)
+SCENE = SceneConfig(motion=STILL)
+MANNER = Manner(limits=load_limits())
+ARM = ArmModel.of(ArmConfig())
+STROKE = np.array([[-0.3, -0.2], [0.3, 0.1]])
+HALF_METRE_BACK = ARM.at(ARM.X_WB[:3, 3] - [0.6, 0.0, 0.0], 0.0)
+
+
+@pytest.fixture(scope="module")
+def person():
+    return load_person(SCENE.person)
+
+
+@pytest.fixture(scope="module")
+def back(person):
+    return true_back(SCENE, person)
+
+
+@pytest.fixture(scope="module")
+def body(person):
+    return body_points(SCENE, person)
+
+
+def test_a_stroke_over_the_middle_of_the_back_is_reached(back):
+    (places,) = along(ARM, back, STROKE, MANNER)
+    assert places.reached
+    assert places.share == 1.0
+    np.testing.assert_allclose(places.p_N[[0, -1]], STROKE)
+    assert (places.place_error < 1e-3).all()
+
+
+def test_from_too_far_away_none_of_it_is_and_it_is_said_why(back):
+    (places,) = along(HALF_METRE_BACK, back, STROKE, MANNER)
+    assert not places.reached
+    assert places.share == 0.0
+    causes = {part["cause"] for part in not_reached(places)}
+    assert causes <= {"too far", "joint limit", "singular"}
+    assert places.place_error.min() > 0.1
+
+
+def test_the_map_is_the_same_again(back):
+    points = grid(0.8, 0.4)
+    first, again = (over(ARM, back, MANNER, points) for _ in range(2))
+    for name, value in vars(first).items():
+        np.testing.assert_array_equal(value, getattr(again, name))
+
+
+def test_the_maps_middle_is_reached_and_what_is_no_skin_is_not_judged(back):
+    points = grid(1.6, 0.4)
+    places = over(ARM, back, MANNER, points)
+    cause = places.cause.reshape(points.shape[:2])
+    assert cause[4, 4] == Cause.NONE
+    assert cause[0, 0] == Cause.NO_SKIN
+    assert np.isnan(places.condition[0])
+
+
+def test_the_map_agrees_with_a_path_that_leads_there(back):
+    points = grid(0.4, 0.4)
+    middle_right = over(ARM, back, MANNER, points).condition.reshape(3, 3)[1, 2]
+    (places,) = along(ARM, back, np.array([[0.0, 0.0], [0.4, 0.0]]), MANNER)
+    # The path's null space has been drawn along in other steps.
+    assert places.condition[-1] == pytest.approx(middle_right, rel=0.05)
+
+
+def test_the_search_brings_back_a_base_that_stands_too_far_away(back, body):
+    places = PlacementGrid(x=[0.0, 0.3, 0.6], y=[0.0], z=[0.0], yaw=[0.0])
+    here, best = search_placement(HALF_METRE_BACK, back, STROKE, body, MANNER, places)
+    assert here.path_share == 0.0
+    assert best.path_share == 1.0
+    assert best.position[0] > here.position[0]
+    assert best.clearance > 0.03
+    _, again = search_placement(HALF_METRE_BACK, back, STROKE, body, MANNER, places)
+    np.testing.assert_array_equal(best.position, again.position)
+
+
+def test_no_base_stands_in_the_person(back, body):
+    seat = np.array([0.75, 0.0, 0.5])
+    assert pedestal_clearance(ARM.at(seat, 0.0), body) < 0.0
+    assert pedestal_clearance(ARM, body) > 0.05
+
+
+def test_clearance_is_less_where_the_arm_is_nearer(body):
+    home = clearance(ARM, body, ARM.home[None])
+    nearer = ARM.at(ARM.X_WB[:3, 3] + [0.1, 0.0, 0.0], 0.0)
+    assert clearance(nearer, body, ARM.home[None]) < home
+    assert home > 0.05
+
+
+def test_extreme_motions_are_the_ends_of_the_motion(person):
+    motion = MotionConfig()
+    found = extreme_motions(motion)
+    assert len(found) == 4
+    turns = set()
+    for extreme in found:
+        R, _ = person_displacement(0.0, extreme, person.hips, person.back_normal)
+        twist, lean = np.arctan2(R[1, 0], R[0, 0]), np.arctan2(R[2, 1], R[2, 2])
+        turns.add((np.round(twist, 6), np.round(lean, 6)))
+    ends = {round(a * 0.0873, 6) for a in (1, -1)}
+    assert turns == {(twist, lean) for twist in ends for lean in ends}
+    assert extreme_motions(STILL) == []
+    bending = MotionConfig(flexion_amplitude=0.1, side_bend_amplitude=0.2)
+    bends = {
+        (round(bend.flexion, 6), round(bend.side_bend, 6))
+        for bend in (trunk_bend(0.0, extreme) for extreme in extreme_motions(bending))
+    }
+    assert bends == {(0.1, 0.2), (0.1, -0.2), (-0.1, 0.2), (-0.1, -0.2)}
+
+
+def test_the_nozzle_stands_off_squared_to_the_skin():
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 0.07, 0.0]])
+    normals = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    poses = nozzle_poses(points, normals, 0.06, 0.07)
+    np.testing.assert_allclose(poses.tips, points + 0.06 * normals)
+    np.testing.assert_allclose(poses.jets, -normals)
+    # A quarter turn takes longer than the way: the tracking turns with 1 rad/s.
+    np.testing.assert_allclose(poses.seconds, [0.0, np.pi / 2.0])
+
+
+def test_a_path_keeps_its_ends_and_its_length():
+    path = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.1]])
+    points = even(path, 0.03)
+    np.testing.assert_allclose(points[[0, -1]], path[[0, -1]])
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert steps.max() < 0.0301
+
+
+def test_the_metrics_are_plain_and_the_line_says_how_it_is():
+    scenario = load_scenario("reproduction")
+    scenario.scene.motion = STILL
+    skill = load_skill(find_skill(scenario.skill))
+    found = reachability(scenario, skill, back=False)
+    metrics = json.loads(json.dumps(found.metrics(), allow_nan=False))
+    assert metrics["path"]["reached"]
+    assert metrics["better_base"] is None
+    (line,) = found.lines()
+    assert line.startswith("reach:   the whole path is reached; condition number")
+    assert found.rest.reached
+
+
+@pytest.mark.slow
+def test_a_base_too_far_away_is_told_with_the_part_the_cause_and_a_better_one():
+    scenario = Scenario(skill="back_sinusoid.yaml")
+    scenario.scene.motion = STILL
+    scenario.scene.arm.base_position[0] -= 0.25
+    skill = load_skill(find_skill(scenario.skill))
+    found = reachability(scenario, skill, back=False)
+    first, second = found.lines()
+    assert "of the path is reached; from (" in first
+    assert second.startswith("base:    at [")
+    better = found.metrics()["better_base"]
+    assert better["path_share"] > found.metrics()["path"]["share"]
+
+
+def test_the_floors_map_has_the_base_where_it_stands(back, body):
+    plan = placement_map(ARM, back, STROKE, body, MANNER)
+    assert plan.share.shape == (len(plan.y), len(plan.x))
+    i, j = len(plan.y) // 2, len(plan.x) // 2
+    np.testing.assert_allclose([plan.x[j], plan.y[i]], ARM.X_WB[:2, 3], atol=1e-3)
+    assert plan.path_share[i, j] == 1.0
+    known = plan.share[np.isfinite(plan.share)]
+    assert ((known >= 0.0) & (known <= 1.0)).all()
