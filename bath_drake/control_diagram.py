@@ -11,6 +11,7 @@ from bath_drake.learning.skill import Skill
 from bath_drake.safety.limits import GuardLimits, load_limits
 from bath_drake.scenario import Scenario, approach_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
+from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.systems.approach_sequencer import ApproachSequencer
 from bath_drake.systems.arm_link import ArmLink
 from bath_drake.systems.canonical_guard import CanonicalGuard
@@ -80,7 +81,7 @@ def add_control(
             "canonical_guard": CanonicalGuard(limits=limits),
             "joint_guard": _joint_guard(arm, scenario, limits),
             "arm_link": ArmLink(),
-            "self_distance": SelfDistance(),
+            "self_distance": SelfDistance(arm=arm_chain(scenario.scene.arm)),
             "force_sensor": ForceSensor(
                 seed=scenario.random_seed, period=limits.loop.period
             ),
@@ -178,7 +179,8 @@ def add_control(
 def guard_limits(scenario: Scenario) -> GuardLimits:
     """Returns the shipped limits, and what a scenario may change of them.
 
-    It can make frames stale sooner. Where it washes from nearer, the guard lets the
+    It can make frames stale sooner, and take another arm: no joint goes faster than
+    half of what that one can. Where it washes from nearer, the guard lets the
     skin come nearer: halfway from there to where the run is ended.
     """
     limits, control = load_limits(), scenario.control
@@ -187,8 +189,11 @@ def guard_limits(scenario: Scenario) -> GuardLimits:
         max(limits.nozzle.clearance, control.min_clearance),
         0.5 * (control.min_clearance + control.standoff),
     )
+    speed = 0.5 * arm_chain(scenario.scene.arm).speed
+    velocity = np.minimum(limits.joints.velocity, speed).tolist()
     return replace(
         limits,
+        joints=replace(limits.joints, velocity=velocity),
         frames=replace(limits.frames, hold_age=age),
         nozzle=replace(limits.nozzle, clearance=clearance),
     )

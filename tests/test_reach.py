@@ -15,11 +15,13 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.safety.limits import GuardLimits
 from bath_drake.safety.self_distance import self_distance
 from bath_drake.scene.arm import home_position, make_control_plant
+from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.scene.config import ArmConfig, SceneConfig
 from bath_drake.scene.studio import true_person_pose
 from bath_drake.systems.differential_ik import DifferentialIk
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
+CHAIN = arm_chain(ArmConfig())
 STEP, SPEED = 0.005, 0.1
 FAR, NEAR = 0.14, 0.06
 # In canonical space: where a stroke begins, and where it leads.
@@ -117,7 +119,7 @@ def check(name, stroke):
     low, high = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
     # 0.08 is where the inverse kinematics would stop.
     assert np.minimum(q - low, high - q).min() > 0.25
-    nearest = min(self_distance(row) for row in q)
+    nearest = min(self_distance(row, CHAIN) for row in q)
     assert nearest > GuardLimits().joints.self_distance, nearest
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray
+from bath_drake.safety.arm_chain import next_link
 
 # Rows of the Jacobian in E: all but the turn about the jet.
 _ROWS = 5
@@ -37,9 +38,8 @@ def pose_and_jacobian(
     Args:
         q: (7,) joint positions, rad.
         origins: (7, 3) each joint's origin in the link before it, m.
-        turns: (7,) sine of its quarter turn about x.
-        tip: (3,) of the nozzle in link 7, m; the jet is along link 7's x, E's x along
-            its z.
+        turns: (7, 3, 3) its axes there, while the joint is at zero.
+        tip: (3, 4) axes and origin of E in link 7, m.
         p: Out.
         R: Out.
         J: Out: turns about E's x and y, shifts along E's x, y and z.
@@ -50,23 +50,15 @@ def pose_and_jacobian(
     for i in range(3):
         p[i] = 0.0
     for k in range(_JOINTS):
-        s, c = np.sin(q[k]), np.cos(q[k])
-        sa = turns[k]
-        ca = 1.0 - abs(sa)
+        next_link(p, A, B, origins[k], turns[k], q[k])
         for i in range(3):
-            for j in range(3):
-                p[i] += A[i, j] * origins[k, j]
-            across = ca * A[i, 1] + sa * A[i, 2]
-            B[i, 0] = c * A[i, 0] + s * across
-            B[i, 1] = c * across - s * A[i, 0]
-            B[i, 2] = ca * A[i, 2] - sa * A[i, 1]
             axes[k, i] = B[i, 2]
             at[k, i] = p[i]
         A, B = B, A
     for i in range(3):
         for j in range(3):
-            p[i] += A[i, j] * tip[j]
-        R[i, 0], R[i, 1], R[i, 2] = A[i, 2], -A[i, 1], A[i, 0]
+            p[i] += A[i, j] * tip[j, 3]
+            R[i, j] = A[i, 0] * tip[0, j] + A[i, 1] * tip[1, j] + A[i, 2] * tip[2, j]
     for k in range(_JOINTS):
         rx, ry, rz = p[0] - at[k, 0], p[1] - at[k, 1], p[2] - at[k, 2]
         wx, wy, wz = axes[k, 0], axes[k, 1], axes[k, 2]

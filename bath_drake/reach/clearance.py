@@ -6,14 +6,13 @@ from numba import njit
 from bath_drake.notation import FloatArray
 from bath_drake.patient.people import Person
 from bath_drake.reach.kinematics import ArmModel
-from bath_drake.safety.self_distance import CAPSULES, capsule_ends
+from bath_drake.safety.arm_chain import NOZZLE
+from bath_drake.safety.self_distance import capsule_ends
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import true_person_pose
 
 # Of the mesh's vertices one in so many is looked at: 1 to 2 cm apart.
 _EVERY = 8
-# The nozzle is meant to be near the skin: its two capsules are left out.
-_LINKS = len(CAPSULES) - 2
 # Half the pedestal's diagonal, m.
 _PEDESTAL_RADIUS = 0.17
 
@@ -35,8 +34,11 @@ def clearance(arm: ArmModel, body_W: FloatArray, q: FloatArray) -> float:
     """
     body_B, _ = arm.into_base(body_W, np.zeros((0, 3)))
     body_B = np.ascontiguousarray(body_B)
-    ends = np.array([capsule_ends(row)[:_LINKS] for row in q])
-    return float(_least(body_B, ends, np.ascontiguousarray(CAPSULES[:_LINKS, 7])))
+    # The nozzle is meant to be near the skin: its capsules, the last, are left out.
+    capsules = arm.chain.capsules
+    links = int(np.count_nonzero(capsules[:, 0] < NOZZLE))
+    ends = np.array([capsule_ends(row, arm.chain)[:links] for row in q])
+    return float(_least(body_B, ends, np.ascontiguousarray(capsules[:links, 7])))
 
 
 def pedestal_clearance(arm: ArmModel, body_W: FloatArray) -> float:

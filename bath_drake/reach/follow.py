@@ -14,7 +14,8 @@ import numpy as np
 from bath_drake.control.pose_tracking import TrackingConfig
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.reach import _kernels
-from bath_drake.reach.kinematics import DIMENSIONS, ArmModel
+from bath_drake.reach.kinematics import ArmModel, pose_and_jacobian
+from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.safety.self_distance import self_distance
 
 # Between two poses the arm is moved in steps of at most so much: m, rad and s. The
@@ -48,6 +49,7 @@ class Followed:
     """What came of following n poses.
 
     Attributes:
+        arm: Whose.
         q: (n, 7) joint positions, rad.
         condition: (n,) condition numbers, as the guard has them.
         place_error: (n,) from the wanted place, m.
@@ -55,6 +57,7 @@ class Followed:
         at_limit: (n,) the joint that stands at the end of its range, from 0; -1: none.
     """
 
+    arm: ArmChain
     q: FloatArray
     condition: FloatArray
     place_error: FloatArray
@@ -63,7 +66,7 @@ class Followed:
 
     def self_distance(self) -> FloatArray:
         """Returns how near links that must not touch come to each other, (n,), m."""
-        return np.array([self_distance(q) for q in self.q])
+        return np.array([self_distance(q, self.arm) for q in self.q])
 
 
 def follow(arm: ArmModel, poses: Poses, q: FloatArray | None = None) -> Followed:
@@ -72,8 +75,9 @@ def follow(arm: ArmModel, poses: Poses, q: FloatArray | None = None) -> Followed
     tips, jets = arm.into_base(poses.tips, poses.jets)
     if not len(poses):
         empty = np.zeros(0)
-        return Followed(np.zeros((0, 7)), empty, empty, empty, empty.astype(np.int64))
-    p, R, _ = _start(q)
+        none = empty.astype(np.int64)
+        return Followed(arm.chain, np.zeros((0, 7)), empty, empty, empty, none)
+    p, R, _ = pose_and_jacobian(q, arm.chain)
     dense, place = _dense(
         np.vstack([p, tips]), np.vstack([R[:, 2], jets]), poses.seconds
     )
@@ -89,7 +93,9 @@ def follow(arm: ArmModel, poses: Poses, q: FloatArray | None = None) -> Followed
         arm.low,
         arm.high,
         arm.speed,
-        *DIMENSIONS,
+        arm.chain.origins,
+        arm.chain.turns,
+        arm.chain.tip,
         positions,
         facts,
     )
@@ -100,6 +106,7 @@ def follow(arm: ArmModel, poses: Poses, q: FloatArray | None = None) -> Followed
     )
     ends = place[1:] - 1
     return Followed(
+        arm=arm.chain,
         q=positions[ends],
         condition=condition,
         place_error=place_error,
@@ -143,12 +150,6 @@ def joined(parts: list[Poses]) -> Poses:
         np.concatenate([part.jets for part in parts]),
         np.concatenate([part.seconds for part in parts]),
     )
-
-
-def _start(q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    p, R, J = np.empty(3), np.empty((3, 3)), np.empty((5, len(q)))
-    _kernels.pose_and_jacobian(q, *DIMENSIONS, p, R, J)
-    return p, R, J
 
 
 def _dense(

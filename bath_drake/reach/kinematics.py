@@ -1,7 +1,6 @@
 """The arm's kinematics in plain arrays, as fast as a search for its place needs."""
 
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,14 +8,11 @@ from numpy.typing import ArrayLike
 from bath_drake.control_diagram import PLANNED_MARGIN
 from bath_drake.notation import FloatArray
 from bath_drake.reach import _kernels
+from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.safety.limits import JOINTS, GuardLimits
-from bath_drake.safety.self_distance import FLANGE, ORIGINS, TURNS
-from bath_drake.scene.arm import make_control_plant
+from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.scene.config import ArmConfig
 
-# The nozzle's tip in link 7, m: the model's nozzle_tip behind the flange.
-TIP = np.array([0.14, 0.0, FLANGE + 0.15])
-DIMENSIONS = (ORIGINS, TURNS, TIP)
 # Of each joint's greatest speed: the default of `DifferentialIk`.
 _SPEED_FRACTION = 0.5
 
@@ -26,6 +22,7 @@ class ArmModel:
     """An arm at its place.
 
     Attributes:
+        chain: Its links.
         X_WB: (4, 4) the base's pose in W.
         home: (7,) joint positions that a run begins with, rad.
         posture: (7,) what the null space is drawn to, rad.
@@ -35,6 +32,7 @@ class ArmModel:
         speed: (7,) rad/s.
     """
 
+    chain: ArmChain
     X_WB: FloatArray
     home: FloatArray
     posture: FloatArray
@@ -47,16 +45,18 @@ class ArmModel:
     def of(config: ArmConfig, limits: GuardLimits | None = None) -> "ArmModel":
         """Returns a scenario's arm under the guard's limits; None for the shipped."""
         limits = GuardLimits() if limits is None else limits
-        ends, speed = _model()
+        chain = arm_chain(config)
+        ends = np.stack([chain.low, chain.high])
         margin = limits.joints.margin + PLANNED_MARGIN
         return ArmModel(
+            chain=chain,
             X_WB=_base(config.base_position, config.base_yaw),
             home=np.array(config.home, dtype=np.float64),
             posture=np.array(config.posture, dtype=np.float64),
             ends=ends,
             low=ends[0] + margin,
             high=ends[1] - margin,
-            speed=_SPEED_FRACTION * speed,
+            speed=_SPEED_FRACTION * chain.speed,
         )
 
     def at(self, position: ArrayLike, yaw: float) -> "ArmModel":
@@ -65,7 +65,7 @@ class ArmModel:
 
     def nozzle(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Returns the tip's place (3,), m, and R_WE (3, 3) at q (7,)."""
-        p_BE, R_BE, _ = pose_and_jacobian(q)
+        p_BE, R_BE, _ = pose_and_jacobian(q, self.chain)
         R_WB = self.X_WB[:3, :3]
         return R_WB @ p_BE + self.X_WB[:3, 3], R_WB @ R_BE
 
@@ -82,23 +82,25 @@ class ArmModel:
         return np.asarray(inside.min(axis=-1))
 
 
-def pose_and_jacobian(q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def pose_and_jacobian(
+    q: FloatArray, arm: ArmChain
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Returns the tip's place (3,) in B, R_BE (3, 3) and the Jacobian's five rows.
 
     Those (5, 7) are in E: turns about x and y (rad/rad), then shifts (m/rad). The turn
     about the jet, z, is free and left out, as the guard leaves it out.
     """
     p, R, J = np.empty(3), np.empty((3, 3)), np.empty((5, JOINTS))
-    _kernels.pose_and_jacobian(_positions(q), *DIMENSIONS, p, R, J)
+    _kernels.pose_and_jacobian(_positions(q), arm.origins, arm.turns, arm.tip, p, R, J)
     return p, R, J
 
 
-def condition_number(q: FloatArray) -> float:
+def condition_number(q: FloatArray, arm: ArmChain) -> float:
     """Returns what the guard judges at q (7,): of the five directions followed.
 
     It is `bath_drake.safety.joint_command.condition_number` of the plant's Jacobian.
     """
-    return float(_kernels.condition(pose_and_jacobian(q)[2]))
+    return float(_kernels.condition(pose_and_jacobian(q, arm)[2]))
 
 
 def _positions(q: FloatArray) -> FloatArray:
@@ -114,14 +116,3 @@ def _base(position: ArrayLike, yaw: float) -> FloatArray:
     X_WB[:2, :2] = [[c, -s], [s, c]]
     X_WB[:3, 3] = position
     return X_WB
-
-
-@cache
-def _model() -> tuple[FloatArray, FloatArray]:
-    """The joints' ends (2, 7), rad, and speeds (7,), rad/s, of the model's file."""
-    plant = make_control_plant(ArmConfig())
-    ends = np.stack([plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()])
-    speed = np.array(plant.GetVelocityUpperLimits())
-    ends.setflags(write=False)
-    speed.setflags(write=False)
-    return ends, speed

@@ -1,7 +1,7 @@
 """How near links of the arm that must not touch come to each other.
 
-Each link is a capsule (a segment and a radius) around its collision mesh: less than the
-truth is told, never more. Of a Franka Research 3 with the shower nozzle.
+Each link is in capsules (a segment and a radius each) around its collision meshes: less
+than the truth is told, never more.
 """
 
 from math import isfinite, nan
@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
+from bath_drake.safety.arm_chain import ArmChain, next_link
 from bath_drake.safety.limits import JOINTS
 
 # s. The fastest joint of the guard's limits (2.63 rad/s, 10 rad/s^2) goes on for 0.13 s
@@ -18,64 +19,13 @@ LOOKAHEAD = 0.15
 # Places on the way there that are looked at, the first and last included.
 _LOOKS = 3
 
-# Each joint's origin in the link before it, m, and sine and cosine of its turn about x.
-ORIGINS = np.array(
-    [
-        [0.0, 0.0, 0.333],
-        [0.0, 0.0, 0.0],
-        [0.0, -0.316, 0.0],
-        [0.0825, 0.0, 0.0],
-        [-0.0825, 0.384, 0.0],
-        [0.0, 0.0, 0.0],
-        [0.088, 0.0, 0.0],
-    ]
-)
-TURNS = np.array([0.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
-# Of the nozzle along link 7's z, m: it is counted as link 8.
-FLANGE = 0.107
-NOZZLE = 8
-# Link; its segment's two ends in the link's frame; its radius, m. Least in volume.
-CAPSULES = np.array(
-    [
-        [0, -0.056, -0.002, 0.023, -0.006, 0.000, 0.053, 0.109],
-        [1, 0.000, 0.001, -0.139, 0.002, -0.054, 0.003, 0.079],
-        [2, -0.001, 0.000, 0.053, 0.000, -0.142, 0.001, 0.078],
-        [3, 0.093, 0.048, 0.007, -0.010, -0.007, -0.093, 0.071],
-        [4, -0.002, -0.001, 0.043, -0.086, 0.082, -0.002, 0.073],
-        [5, 0.000, 0.066, 0.002, 0.001, 0.012, -0.244, 0.069],
-        [6, 0.020, 0.007, 0.015, 0.087, 0.009, 0.001, 0.078],
-        [7, -0.003, -0.003, 0.076, 0.031, 0.031, 0.084, 0.052],
-        [8, 0.000, 0.000, 0.006, 0.000, 0.000, 0.150, 0.033],
-        [8, 0.000, 0.000, 0.150, 0.125, 0.000, 0.150, 0.030],
-    ]
-)
-# Pairs of links with so many joints between them: nearer ones meet in a joint, or its
-# range keeps them apart.
-_APART = 3
-# The nozzle and link 5 stayed 10 mm apart in 3000 random postures: link 6 is between.
-_NOZZLE_APART = 4
 
-
-def _capsule_pairs() -> IntArray:
-    links = CAPSULES[:, 0].astype(np.int64)
-    return np.array(
-        [
-            (i, j)
-            for i in range(len(links))
-            for j in range(i + 1, len(links))
-            if links[j] - links[i] >= (_NOZZLE_APART if links[j] == NOZZLE else _APART)
-        ]
-    )
-
-
-PAIRS = _capsule_pairs()
-
-
-def self_distance(q: FloatArray) -> float:
+def self_distance(q: FloatArray, arm: ArmChain) -> float:
     """Returns the least distance, m, of links that must not touch.
 
     Args:
         q: (7,) joint positions, rad.
+        arm: Whose.
 
     Returns:
         Less than the truth by what the capsules are too fat; negative where they
@@ -84,17 +34,18 @@ def self_distance(q: FloatArray) -> float:
     Raises:
         ValueError: If q is not of shape (7,).
     """
-    return self_distance_ahead(q, np.zeros(JOINTS), 0.0)
+    return self_distance_ahead(q, np.zeros(JOINTS), arm, 0.0)
 
 
 def self_distance_ahead(
-    q: FloatArray, v: FloatArray, lookahead: float = LOOKAHEAD
+    q: FloatArray, v: FloatArray, arm: ArmChain, lookahead: float = LOOKAHEAD
 ) -> float:
     """Returns the least `self_distance`, m, on the way the arm takes while it brakes.
 
     Args:
         q: (7,) joint positions, rad.
         v: (7,) joint velocities, rad/s.
+        arm: Whose.
         lookahead: For how long it goes on at its speed, s.
 
     Returns:
@@ -116,13 +67,13 @@ def self_distance_ahead(
     if not np.isfinite(q + way).all():
         return nan
     looks = _LOOKS if way.any() else 1
-    return float(_least(q, way, looks, ORIGINS, TURNS, FLANGE, CAPSULES, PAIRS))
+    return float(_least(q, way, looks, arm.origins, arm.turns, arm.capsules, arm.pairs))
 
 
-def capsule_ends(q: FloatArray) -> FloatArray:
+def capsule_ends(q: FloatArray, arm: ArmChain) -> FloatArray:
     """Returns both ends of every capsule's segment, (n, 2, 3), in the arm's base B."""
     q = np.ascontiguousarray(q, dtype=np.float64)
-    ends: FloatArray = _ends(q, ORIGINS, TURNS, FLANGE, CAPSULES)
+    ends: FloatArray = _ends(q, arm.origins, arm.turns, arm.capsules)
     return ends
 
 
@@ -131,7 +82,6 @@ def _ends(
     q: FloatArray,
     origins: FloatArray,
     turns: FloatArray,
-    flange: float,
     capsules: FloatArray,
 ) -> FloatArray:
     ends = np.empty((len(capsules), 2, 3))
@@ -139,21 +89,10 @@ def _ends(
     link = 0
     for k in range(len(capsules)):
         while link < capsules[k, 0]:
-            if link == len(q):
-                for i in range(3):
-                    p[i] += R[i, 2] * flange
-            else:
-                s, c = np.sin(q[link]), np.cos(q[link])
-                sa = turns[link]
-                ca = 1.0 - abs(sa)
-                for i in range(3):
-                    for j in range(3):
-                        p[i] += R[i, j] * origins[link, j]
-                    across = ca * R[i, 1] + sa * R[i, 2]
-                    turned[i, 0] = c * R[i, 0] + s * across
-                    turned[i, 1] = c * across - s * R[i, 0]
-                    turned[i, 2] = ca * R[i, 2] - sa * R[i, 1]
-                R[:] = turned
+            # The nozzle, the last, is told in the frame of the link before it.
+            if link < len(q):
+                next_link(p, R, turned, origins[link], turns[link], q[link])
+                R, turned = turned, R
             link += 1
         for end in range(2):
             for i in range(3):
@@ -170,14 +109,13 @@ def _least(
     looks: int,
     origins: FloatArray,
     turns: FloatArray,
-    flange: float,
     capsules: FloatArray,
     pairs: IntArray,
 ) -> float:
     least = np.inf
     for look in range(looks):
         there = q + look / max(looks - 1, 1) * way
-        ends = _ends(there, origins, turns, flange, capsules)
+        ends = _ends(there, origins, turns, capsules)
         for k in range(len(pairs)):
             i, j = pairs[k, 0], pairs[k, 1]
             gap = _segments(ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1])

@@ -1,22 +1,42 @@
 """The arm: its model in a plant, and alone for kinematics and silhouettes."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import Box, Convex, Cylinder, Mesh, Role, SceneGraph, Shape
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Mesh,
+    Role,
+    SceneGraph,
+    Shape,
+    Sphere,
+)
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex, PdControllerGains
+from pydrake.multibody.tree import (
+    BodyIndex,
+    JointActuatorIndex,
+    ModelInstanceIndex,
+    PdControllerGains,
+)
 from pydrake.systems.framework import DiagramBuilder
 
+from bath_drake.errors import ScenarioError
 from bath_drake.notation import FloatArray
 from bath_drake.resources import models_folder
+from bath_drake.scene.arm_file import find_arm
 from bath_drake.scene.config import ArmConfig
 from bath_drake.systems._poses import at
+from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
-JOINTS = tuple(f"fr3_joint{k}" for k in range(1, 8))
-_ACTUATORS = tuple(f"a{k}" for k in range(1, 8))
+# The link that a model of an arm stands on.
+BASE_LINK = "base"
+_JOINTS = 7
 # A circle's outline as a polygon around it, for the hulls.
 _CIRCLE_CORNERS = 16
 
@@ -27,18 +47,46 @@ def base_pose(config: ArmConfig) -> RigidTransform:
 
 
 def add_arm(plant: MultibodyPlant, config: ArmConfig) -> ModelInstanceIndex:
-    """Adds the arm, welded at its base, with its PD gains; instance `arm`."""
+    """Adds the arm, welded at its base, with its PD gains; instance `arm`.
+
+    Raises:
+        ScenarioError: If its model cannot be read, or is no arm of ours: links `base`
+            and `nozzle_tip`, seven actuators.
+    """
     parser = Parser(plant)
     models = models_folder()
     parser.package_map().Add("bath_models", models)
-    (arm,) = parser.AddModels(models / "arm" / "fr3_nozzle.urdf")
+    urdf, before = find_arm(config.model), plant.num_actuators()
+    arm = _parsed(parser, plant, urdf)
     plant.WeldFrames(
-        plant.world_frame(), plant.GetFrameByName("base", arm), base_pose(config)
+        plant.world_frame(), plant.GetFrameByName(BASE_LINK, arm), base_pose(config)
     )
-    for name, p, d in zip(_ACTUATORS, config.stiffness, config.damping, strict=True):
-        # By name: the list of an instance's actuators is empty before Finalize.
-        actuator = plant.GetJointActuatorByName(name, arm)
+    # The list of an instance's actuators is empty before Finalize.
+    actuators = [
+        plant.get_joint_actuator(JointActuatorIndex(k))
+        for k in range(before, plant.num_actuators())
+    ]
+    if len(actuators) != _JOINTS:
+        raise ScenarioError(
+            f"{urdf}: found {len(actuators)} actuators, allowed {_JOINTS}: a"
+            " transmission for every joint"
+        )
+    for actuator, p, d in zip(actuators, config.stiffness, config.damping, strict=True):
         actuator.set_controller_gains(PdControllerGains(p=p, d=d))
+    return arm
+
+
+def _parsed(parser: Parser, plant: MultibodyPlant, urdf: Path) -> ModelInstanceIndex:
+    # Links are looked for by name: the model's own name is nobody's business.
+    parser.SetAutoRenaming(True)
+    try:
+        (arm,) = parser.AddModels(urdf)
+    except (RuntimeError, ValueError) as error:
+        told = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        raise ScenarioError(f"{urdf}: found no one arm in it ({told})") from error
+    for link in (BASE_LINK, NOZZLE_FRAME):
+        if not plant.HasFrameNamed(link, arm):
+            raise ScenarioError(f"{urdf}: found no link {link!r}, allowed one")
     return arm
 
 
@@ -96,18 +144,22 @@ def _link_hulls(
         if frame is None:
             continue
         for geometry in inspector.GetGeometries(frame, Role.kPerception):
-            p_GV = _hull_vertices(inspector.GetShape(geometry))
+            p_GV = hull_vertices(inspector.GetShape(geometry))
             X_LG = inspector.GetPoseInFrame(geometry)
             p_LV = (X_LG.rotation().matrix() @ p_GV.T).T + X_LG.translation()
             hulls.append((BodyIndex(k), p_LV))
     return hulls
 
 
-def _hull_vertices(shape: Shape) -> FloatArray:
+def hull_vertices(shape: Shape) -> FloatArray:
     """Vertices (n, 3) in G of a convex hull that holds the shape, m."""
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()
         return np.array([hull.vertex(k) for k in range(hull.num_vertices())])
+    if isinstance(shape, Sphere):
+        return _capsule_vertices(shape.radius(), 0.0)
+    if isinstance(shape, Capsule):
+        return _capsule_vertices(shape.radius(), shape.length())
     if isinstance(shape, Box):
         corners = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5]))
         box: FloatArray = corners.reshape(3, -1).T * shape.size()
@@ -118,4 +170,20 @@ def _hull_vertices(shape: Shape) -> FloatArray:
         circle = radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
         ends = [-shape.length() / 2.0, shape.length() / 2.0]
         return np.vstack([np.column_stack([circle, np.full(16, z)]) for z in ends])
-    raise NotImplementedError(f"no hull for a {type(shape).__name__} of the arm")
+    raise ScenarioError(f"no hull for a {type(shape).__name__} of the arm")
+
+
+def _capsule_vertices(radius: float, length: float) -> FloatArray:
+    """Around a capsule along z: rings of a polyhedron that holds both its balls."""
+    half = np.pi / _CIRCLE_CORNERS
+    wide = radius / np.cos(half) ** 2
+    rings = []
+    for end in (-0.5 * length, 0.5 * length):
+        for tilt in np.linspace(-0.5 * np.pi, 0.5 * np.pi, _CIRCLE_CORNERS // 2 + 1):
+            turns = np.linspace(0.0, 2.0 * np.pi, _CIRCLE_CORNERS, endpoint=False)
+            level = np.cos(tilt) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+            height = np.full(_CIRCLE_CORNERS, np.sin(tilt))
+            ring = wide * np.column_stack([level, height])
+            ring[:, 2] += end
+            rings.append(ring)
+    return np.vstack(rings)

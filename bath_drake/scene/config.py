@@ -13,6 +13,7 @@ from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.colour_noise import ColourNoiseConfig, check_colour_noise
 from bath_drake.perception.depth_sensor import CAMERA_MODELS
 from bath_drake.perception.faults import FaultsConfig, check_faults
+from bath_drake.scene.arm_file import SHIPPED, completed, find_arm
 
 CAMERA_NOISES = ("none", *CAMERA_MODELS)
 FIDELITIES = ("dynamic", "kinematic")
@@ -88,6 +89,8 @@ class ArmConfig:
     (`tests/test_reach.py`).
     """
 
+    # A shipped arm, or the path of a .urdf file: see docs/arms.md.
+    model: str = SHIPPED
     # dynamic: masses, motors, gravity. kinematic: it is exactly where it is told.
     fidelity: str = "dynamic"
     base_position: list[float] = field(
@@ -107,6 +110,15 @@ class ArmConfig:
         default_factory=lambda: [2400, 2400, 2400, 2400, 1000, 600, 200]
     )
     damping: list[float] = field(default_factory=lambda: [80, 80, 80, 80, 50, 40, 20])
+
+    @staticmethod
+    def complete(given: dict[str, Any]) -> dict[str, Any]:
+        """Returns the values of an arm of which some are given.
+
+        Raises:
+            ValueError: If there is no such arm, or nobody says where its home is.
+        """
+        return completed(given)
 
 
 @dataclass(kw_only=True)
@@ -194,6 +206,10 @@ def check_scene(config: SceneConfig) -> None:
     }.items():
         if not np.isfinite(value):
             raise ValueError(f"{name} must be finite, got {value}")
+    try:
+        find_arm(arm.model)
+    except ValueError as error:
+        raise ValueError(f"arm.{error}") from error
     _check_name("arm.fidelity", arm.fidelity, FIDELITIES)
     _check_name("camera.model", camera.model, tuple(CAMERA_MODELS))
     _check_name("camera.noise", camera.noise, CAMERA_NOISES)

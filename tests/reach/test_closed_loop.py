@@ -8,6 +8,7 @@ from bath_drake.diagrams import build_reproduction
 from bath_drake.reach.kinematics import condition_number
 from bath_drake.reach.precheck import reachability
 from bath_drake.scenario import find_skill, load_scenario
+from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.simulation import run
 from bath_drake.skill_file import load_skill
 
@@ -27,7 +28,9 @@ def test_the_loops_condition_numbers_along_the_path_are_those_foretold(person):
     log = run(build_reproduction(scenario, skill), scenario)
     assert log.outcome == "GOAL_REACHED"
     washing = log.phase == Phase.WASH
-    loop = np.array([condition_number(q) for q in log.checked_command[washing][:, :7]])
+    chain = arm_chain(scenario.scene.arm)
+    emitted = log.checked_command[washing][:, :7]
+    loop = np.array([condition_number(q, chain) for q in emitted])
     reference = log.canonical_reference[washing]
     apart = np.linalg.norm(reference[:, None] - found.rest.p_N[None], axis=2)
     foretold = found.rest.condition[apart.argmin(axis=1)]

@@ -7,10 +7,12 @@ from pydrake.multibody.tree import JacobianWrtVariable
 from bath_drake.reach.kinematics import ArmModel, condition_number, pose_and_jacobian
 from bath_drake.safety import joint_command
 from bath_drake.scene.arm import make_control_plant
+from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.scene.config import ArmConfig
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
 CONFIG = ArmConfig(base_position=[0.1, -0.2, 0.3], base_yaw=0.4)
+CHAIN = arm_chain(CONFIG)
 # The model's file gives angles to eight digits.
 FILE = 1e-7
 
@@ -53,7 +55,7 @@ def test_the_jacobian_is_the_plants_without_the_turn_about_the_jet(plant, positi
     for q in positions:
         plant.SetPositions(context, q)
         expected = jacobian_in_nozzle(plant, context)[[0, 1, 3, 4, 5]]
-        np.testing.assert_allclose(pose_and_jacobian(q)[2], expected, atol=FILE)
+        np.testing.assert_allclose(pose_and_jacobian(q, CHAIN)[2], expected, atol=FILE)
 
 
 def test_the_condition_number_is_the_guards(plant, positions):
@@ -62,7 +64,7 @@ def test_the_condition_number_is_the_guards(plant, positions):
         plant.SetPositions(context, q)
         guards = joint_command.condition_number(jacobian_in_nozzle(plant, context))
         # The square root of an eigenvalue's rounding, and the file's.
-        assert condition_number(q) == pytest.approx(guards, rel=1e-4)
+        assert condition_number(q, CHAIN) == pytest.approx(guards, rel=1e-4)
 
 
 def test_margin_is_that_of_the_joint_nearest_to_an_end():
@@ -75,4 +77,4 @@ def test_margin_is_that_of_the_joint_nearest_to_an_end():
 
 def test_positions_of_another_shape_are_refused():
     with pytest.raises(ValueError, match=r"q must have shape \(7,\), got \(6,\)"):
-        condition_number(np.zeros(6))
+        condition_number(np.zeros(6), CHAIN)
