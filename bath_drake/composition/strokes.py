@@ -34,7 +34,8 @@ def lanes(
     """Strokes to and fro across a box, from below upwards, as an ox ploughs.
 
     Args:
-        low: (2,) the box's lower corner, in N: on the first lane.
+        low: (2,) the box's lower corner, in N: on the first lane, which begins at the
+            higher x.
         high: (2,) the upper one, on the last.
         spacing: Between lanes, in N, at most; they are spaced evenly.
 
@@ -55,7 +56,7 @@ def lanes(
     count = int(np.ceil((top - bottom) / spacing - 1e-9)) + 1
     strokes = []
     for k, y in enumerate(np.linspace(bottom, top, count).tolist()):
-        ends = (np.array([left, y]), np.array([right, y]))
+        ends = (np.array([right, y]), np.array([left, y]))
         strokes.append(ends if k % 2 == 0 else ends[::-1])
     return strokes
 

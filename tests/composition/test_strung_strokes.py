@@ -30,7 +30,7 @@ ENDS = [
 ]
 
 
-def test_lanes_go_to_and_fro_over_the_whole_box_no_further_apart_than_asked():
+def test_lanes_go_to_and_fro_up_the_whole_box_no_further_apart_than_asked():
     found = np.array(lanes([-0.6, -0.5], [0.6, 0.5], 0.17))
     assert found.shape == (7, 2, 2)
     assert (np.abs(found[:, :, 0]) == 0.6).all()
@@ -38,6 +38,7 @@ def test_lanes_go_to_and_fro_over_the_whole_box_no_further_apart_than_asked():
     np.testing.assert_allclose(np.diff(found[:, 0, 1]), 1.0 / 6.0, rtol=1e-12)
     assert found[0, 0, 1] == -0.5
     assert found[-1, 0, 1] == 0.5
+    assert found[0, 0, 0] == 0.6
     # Each begins on the side where the last one ended.
     np.testing.assert_array_equal(found[1:, 0, 0], found[:-1, 1, 0])
     # A spacing that fits is not made smaller by rounding.
