@@ -49,6 +49,8 @@ CAPSULES = np.array(
         [8, 0.000, 0.000, 0.150, 0.125, 0.000, 0.150, 0.030],
     ]
 )
+# A sponge on the nozzle's tip, counted with it.
+SPONGE = np.array([[8, 0.140, 0.000, 0.150, 0.170, 0.000, 0.150, 0.033]])
 # Pairs of links with so many joints between them: nearer ones meet in a joint, or its
 # range keeps them apart.
 _APART = 3
@@ -56,8 +58,8 @@ _APART = 3
 _NOZZLE_APART = 4
 
 
-def _capsule_pairs() -> IntArray:
-    links = CAPSULES[:, 0].astype(np.int64)
+def _capsule_pairs(capsules: FloatArray) -> IntArray:
+    links = capsules[:, 0].astype(np.int64)
     return np.array(
         [
             (i, j)
@@ -68,7 +70,15 @@ def _capsule_pairs() -> IntArray:
     )
 
 
-PAIRS = _capsule_pairs()
+PAIRS = _capsule_pairs(CAPSULES)
+# Capsules and their pairs, by the arm's tool.
+TOOLS = {
+    "nozzle": (CAPSULES, PAIRS),
+    "sponge": (
+        np.concatenate([CAPSULES, SPONGE]),
+        _capsule_pairs(np.concatenate([CAPSULES, SPONGE])),
+    ),
+}
 
 
 def self_distance(q: FloatArray) -> float:
@@ -88,7 +98,7 @@ def self_distance(q: FloatArray) -> float:
 
 
 def self_distance_ahead(
-    q: FloatArray, v: FloatArray, lookahead: float = LOOKAHEAD
+    q: FloatArray, v: FloatArray, lookahead: float = LOOKAHEAD, tool: str = "nozzle"
 ) -> float:
     """Returns the least `self_distance`, m, on the way the arm takes while it brakes.
 
@@ -96,6 +106,7 @@ def self_distance_ahead(
         q: (7,) joint positions, rad.
         v: (7,) joint velocities, rad/s.
         lookahead: For how long it goes on at its speed, s.
+        tool: One of `TOOLS`.
 
     Returns:
         NaN where a position or velocity is no finite number.
@@ -116,7 +127,7 @@ def self_distance_ahead(
     if not np.isfinite(q + way).all():
         return nan
     looks = _LOOKS if way.any() else 1
-    return float(_least(q, way, looks, _ORIGINS, _TURNS, _FLANGE, CAPSULES, PAIRS))
+    return float(_least(q, way, looks, _ORIGINS, _TURNS, _FLANGE, *TOOLS[tool]))
 
 
 def capsule_ends(q: FloatArray) -> FloatArray:

@@ -15,7 +15,8 @@ from bath_drake.perception.depth_sensor import CAMERA_MODELS
 from bath_drake.perception.faults import FaultsConfig, check_faults
 
 CAMERA_NOISES = ("none", *CAMERA_MODELS)
-FIDELITIES = ("dynamic", "kinematic")
+FIDELITIES = ("dynamic", "kinematic", "contact")
+TOOLS = ("nozzle", "sponge")
 BACKGROUNDS = ("plain", "tan_wall", "dark_wall", "clutter", "second_person")
 
 
@@ -89,7 +90,11 @@ class ArmConfig:
     """
 
     # dynamic: masses, motors, gravity. kinematic: it is exactly where it is told.
+    # contact: dynamic, and the skin of the back can be touched.
     fidelity: str = "dynamic"
+    tool: str = (
+        "nozzle"  # or sponge: one on the nozzle, its face 60 mm ahead of the tip
+    )
     base_position: list[float] = field(
         default_factory=lambda: [-0.055, -0.01, 0.22]
     )  # m, W
@@ -195,6 +200,10 @@ def check_scene(config: SceneConfig) -> None:
         if not np.isfinite(value):
             raise ValueError(f"{name} must be finite, got {value}")
     _check_name("arm.fidelity", arm.fidelity, FIDELITIES)
+    _check_name("arm.tool", arm.tool, TOOLS)
+    if arm.fidelity == "contact":
+        # A hard nozzle has no business on skin.
+        _check_name("arm.tool", arm.tool, ("sponge",))
     _check_name("camera.model", camera.model, tuple(CAMERA_MODELS))
     _check_name("camera.noise", camera.noise, CAMERA_NOISES)
     if camera.colour_noise is not None:

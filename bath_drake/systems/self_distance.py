@@ -4,7 +4,7 @@ from typing import Any
 
 from pydrake.systems.framework import BasicVector, LeafSystem
 
-from bath_drake.safety.self_distance import LOOKAHEAD, self_distance_ahead
+from bath_drake.safety.self_distance import LOOKAHEAD, TOOLS, self_distance_ahead
 from bath_drake.systems._ports import eval_vector, set_vector
 
 
@@ -24,12 +24,22 @@ class SelfDistance(LeafSystem):
     v in `lookahead` seconds, which covers braking; NaN where q or v is. Stateless.
     """
 
-    def __init__(self, *, lookahead: float = LOOKAHEAD) -> None:
-        """Declares the ports; raises ValueError unless lookahead is finite and >= 0."""
+    def __init__(self, *, lookahead: float = LOOKAHEAD, tool: str = "nozzle") -> None:
+        """Declares the ports.
+
+        Args:
+            lookahead: For how long the arm goes on at v, s.
+            tool: On the arm, one of `bath_drake.safety.self_distance.TOOLS`.
+
+        Raises:
+            ValueError: Unless lookahead is finite and >= 0 and there is such a tool.
+        """
         super().__init__()
+        if tool not in TOOLS:
+            raise ValueError(f"tool must be one of {', '.join(TOOLS)}, got {tool!r}")
         if not 0.0 <= lookahead < float("inf"):
             raise ValueError(f"lookahead must be >= 0 and finite, got {lookahead}")
-        self._lookahead = lookahead
+        self._lookahead, self._tool = lookahead, tool
         self._command = self.DeclareVectorInputPort("joint_command", 14)
         self.DeclareVectorOutputPort(
             "self_distance", 1, self._calc_self_distance, {self._command.ticket()}
@@ -37,5 +47,7 @@ class SelfDistance(LeafSystem):
 
     def _calc_self_distance(self, context: Any, output: BasicVector) -> None:
         command = eval_vector(self._command, context)
-        distance = self_distance_ahead(command[:7], command[7:], self._lookahead)
+        distance = self_distance_ahead(
+            command[:7], command[7:], self._lookahead, self._tool
+        )
         set_vector(output, [distance])
