@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 from bath_drake.composition.rollout import chain_rollout
 from bath_drake.learning.skill import Skill
 from bath_drake.safety.limits import GuardLimits, load_limits
-from bath_drake.scenario import Scenario, approach_limits, loop_bounds
+from bath_drake.scenario import Scenario, approach_limits, force_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
 from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.systems.approach_sequencer import ApproachSequencer
@@ -19,6 +19,7 @@ from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker
 from bath_drake.systems.certificate_monitor import CertificateMonitor
 from bath_drake.systems.differential_ik import DifferentialIk
+from bath_drake.systems.force_regulator import ForceRegulator
 from bath_drake.systems.force_sensor import ForceSensor
 from bath_drake.systems.hold_supervisor import HoldSupervisor
 from bath_drake.systems.joint_guard import JointGuard
@@ -37,6 +38,8 @@ from bath_drake.wiring import add_all, connect
 
 # What is planned stays this much further from the guard's limits: rad, and a share.
 PLANNED_MARGIN, PLANNED_SHARE = 0.02, 0.8
+# N, along each axis, what is left of the force sensor's bias: a careful taring's.
+_FORCE_BIAS = 0.1
 
 
 def add_control(
@@ -83,7 +86,9 @@ def add_control(
             "arm_link": ArmLink(),
             "self_distance": SelfDistance(arm=arm_chain(scenario.scene.arm)),
             "force_sensor": ForceSensor(
-                seed=scenario.random_seed, period=limits.loop.period
+                seed=scenario.random_seed,
+                period=limits.loop.period,
+                force_bias=_FORCE_BIAS,
             ),
             "nozzle_kinematics": NozzleKinematics(plant=arm),
             "nozzle_clearance": NozzleClearance(),
@@ -102,12 +107,18 @@ def add_control(
                 washing_speed=control.washing_speed,
             ),
         )
+    if scenario.scene.arm.fidelity == "contact":
+        systems["force_regulator"] = builder.AddNamedSystem(
+            "force_regulator",
+            ForceRegulator(limits=force_limits(scenario), period=limits.loop.period),
+        )
     stages = systems["stage_sequencer"]
     world = systems["world_reconciler"]
     proof = systems["certificate_monitor"]
     controller = systems["navigation_controller"]
     reference = systems["canonical_reference"]
     approach = systems["approach_sequencer"]
+    pacer = systems.get("force_regulator", approach)
     surface = systems["surface_reference"]
     ik = systems["differential_ik"]
     tracker = systems["canonical_tracker"]
@@ -123,8 +134,8 @@ def add_control(
         (world, "reconciled_worlds", [proof]),
         (proof, "world_status", [supervisor]),
         (reference, "canonical_reference", [stages, world, proof]),
-        (approach, "phase", [reference, monitor]),
-        (approach, "standoff", [surface, tracker]),
+        (pacer, "phase", [reference, monitor]),
+        (pacer, "standoff", [surface, tracker]),
         (systems["surface_velocity"], "surface_velocity", [surface]),
         (surface, "desired_nozzle_pose", [ik, approach]),
         (surface, "surface_patch", [clearance]),
@@ -173,6 +184,7 @@ def add_control(
     ):
         builder.Connect(source.GetOutputPort(port), sink.GetInputPort(name))
     _join_reference(builder, systems)
+    _join_force(builder, systems)
     return systems
 
 
@@ -209,6 +221,19 @@ def _joint_guard(arm: Any, scenario: Scenario, limits: GuardLimits) -> JointGuar
     )
 
 
+def _join_force(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
+    """Between the approach and who goes by it, where there is skin to press on."""
+    if "force_regulator" not in systems:
+        return
+    regulator, approach = systems["force_regulator"], systems["approach_sequencer"]
+    for port in ("standoff", "phase"):
+        builder.Connect(
+            approach.GetOutputPort(port), regulator.GetInputPort(f"approach_{port}")
+        )
+    connect(builder, systems["force_sensor"], "wrench", [regulator])
+    connect(builder, systems["joint_guard"], "hold", [regulator])
+
+
 def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
     """What the reference gets, and what is made of it."""
     checked = systems["canonical_guard"].GetOutputPort("checked_velocity")
@@ -234,7 +259,8 @@ def _join_reference(builder: DiagramBuilder, systems: dict[str, Any]) -> None:
     connect(builder, tracker, "canonical_position", [motion, monitor])
     connect(builder, stages, "navigation_field", [motion])
     connect(builder, stages, "final_stage", [motion])
-    connect(builder, systems["approach_sequencer"], "phase", [motion])
+    pacer = systems.get("force_regulator", systems["approach_sequencer"])
+    connect(builder, pacer, "phase", [motion])
     connect(builder, systems["joint_guard"], "hold", [motion])
     for source, port, sink, name in (
         (world, "restricted_areas", motion, "sensed_obstacles"),

@@ -41,6 +41,7 @@ from bath_drake.scene.sensing import (
 )
 from bath_drake.scene.true_sight import true_sight
 from bath_drake.systems._ports import drake_vector
+from bath_drake.systems.contact_wrench import ContactWrench
 from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.systems.guard_view import GuardView
 from bath_drake.systems.skin_view import DrawnPart, SkinView
@@ -67,6 +68,14 @@ LOGGED_PORTS = (
 )
 # And where there is a periodic motion.
 PERIODIC_PORTS = (("periodic_motion", "canonical_offset"),)
+# And where skin can be touched; phase and stand-off are then the regulator's.
+FORCE_PORTS = (
+    ("force_regulator", "phase"),
+    ("force_regulator", "standoff"),
+    ("force_regulator", "asked_force"),
+    ("force_sensor", "wrench"),
+    ("contact_wrench", "contact_wrench"),
+)
 # Who heeds what the camera saw, and when.
 _WATCHING = ("hold_supervisor", "canonical_guard", "joint_guard")
 # m, from the arm's base: beside it, where the viewer looks past.
@@ -77,7 +86,11 @@ _MESHCAT_PERIOD_S = 1.0 / 15.0
 
 def logged_ports(names: Container[str]) -> tuple[tuple[str, str], ...]:
     """The systems and ports that a Diagram with systems of these names logs."""
-    return LOGGED_PORTS + (PERIODIC_PORTS if "periodic_motion" in names else ())
+    ports = LOGGED_PORTS + (PERIODIC_PORTS if "periodic_motion" in names else ())
+    if "force_regulator" not in names:
+        return ports
+    paced = {port for _, port in FORCE_PORTS}
+    return tuple(pair for pair in ports if pair[1] not in paced) + FORCE_PORTS
 
 
 def log_name(system: str, port: str) -> str:
@@ -332,6 +345,16 @@ def _close_loop(
     )
     for name in ("nozzle_kinematics", "arm_link"):
         builder.Connect(scene.arm_state, control[name].GetInputPort("arm_state"))
+    if scene.contact_results is None:
+        return
+    # What is felt of the true skin, and by the force sensor alone.
+    control["contact_wrench"] = builder.AddNamedSystem(
+        "contact_wrench", ContactWrench(tool=scene.tool)
+    )
+    felt = control["contact_wrench"]
+    builder.Connect(scene.contact_results, felt.GetInputPort("contact_results"))
+    connect(builder, control["nozzle_kinematics"], "nozzle_pose", [felt])
+    connect(builder, felt, "contact_wrench", [control["force_sensor"]])
 
 
 def _add_logs(builder: DiagramBuilder, scene: Scene, systems: dict[str, Any]) -> None:

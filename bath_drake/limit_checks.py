@@ -73,6 +73,33 @@ def limit_checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str,
             "pass": metrics["certificate"]["verdict"] == "proved",
         },
     }
+    force = metrics.get("force")
+    if force is not None:
+        bounded |= {
+            "force_mean_error": (force["mean_error"], limits.force_mean_error),
+            "force_peak": (force["peak"], limits.force_peak),
+            "approach_speed_m_per_s": (
+                force["approach_speed_m_per_s"],
+                limits.approach_speed_m_per_s,
+            ),
+            "skin_speed_m_per_s": (
+                metrics["speed_m_per_s"]["max"],
+                limits.skin_speed_m_per_s,
+            ),
+            "touched_skin_mean_mm": (
+                metrics["touched_skin_mm"]["mean"],
+                limits.touched_skin_mean_mm,
+            ),
+        }
+        for name in ("within_2_n", "contact_share"):
+            least = getattr(limits, f"force_{name}")
+            if least is not None:
+                passed = force[name] is not None and bool(force[name] >= least)
+                checks[f"force_{name}"] = {
+                    "value": force[name],
+                    "limit": least,
+                    "pass": passed,
+                }
     for name, (value, limit) in bounded.items():
         if limit is not None:
             passed = value is not None and bool(value <= limit)

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from bath_drake.control.approach import ApproachLimits
+from bath_drake.control.force_regulation import ForceLimits
 from bath_drake.errors import ScenarioError
 from bath_drake.faults.expectation import Expectation, check_expectation
 from bath_drake.faults.script import FaultScript, check_script
@@ -63,6 +64,7 @@ class ControlConfig:
     approach_speed: float = 0.05  # m/s along the normal, at most 0.05
     max_frame_age: float = MAX_FRAME_AGE  # s
     min_clearance: float = 0.02  # m, nozzle tip off the seen skin
+    force: float = 4.0  # N, along the normal, at most 5; where skin can be touched
     goal_tolerance: float = 0.02  # canonical
 
 
@@ -96,6 +98,14 @@ class Limits:
     restricted_entries: int = 0
     coverage: float | None = None  # least share of the target skin, 0 to 1
     wound_wetted_cm2: float | None = None
+    # Where skin can be touched; the shares are least ones.
+    force_mean_error: float | None = 0.5  # N
+    force_within_2_n: float | None = 0.99  # of the stroke
+    force_peak: float | None = 10.0  # N
+    force_contact_share: float | None = 0.98  # of the stroke
+    approach_speed_m_per_s: float | None = 0.05
+    skin_speed_m_per_s: float | None = 0.10
+    touched_skin_mean_mm: float | None = 2.0
 
 
 @dataclass(kw_only=True)
@@ -144,6 +154,7 @@ _RANGES: dict[str, dict[str, tuple[float, float]]] = {
         "max_frame_age": (0.01, 0.5),
         "min_clearance": (0.005, 0.1),
         "goal_tolerance": (1e-4, 0.1),
+        "force": (1.0, 5.0),
     },
 }
 _LONGEST_RUN_S = 3600.0
@@ -246,6 +257,11 @@ def approach_limits(scenario: Scenario) -> ApproachLimits:
         standoff=control.standoff,
         speed=control.approach_speed,
     )
+
+
+def force_limits(scenario: Scenario) -> ForceLimits:
+    """Returns how the force is regulated where skin can be touched."""
+    return ForceLimits(force=scenario.control.force)
 
 
 def segmentation(scenario: Scenario) -> SegmentationConfig:

@@ -176,6 +176,7 @@ def _collect(
         log = sink.FindLog(context)
         series[port] = log.data().T.copy()
         series["time"] = log.sample_times().copy()
+    count = len(series["time"])
     camera = scenario.scene.camera
     X_WC = np.eye(4)
     X_WC[:3, :3], X_WC[:3, 3] = camera.rotation(), camera.eye
@@ -203,6 +204,10 @@ def _collect(
         certified_start=series["certified_start"],
         arm_state=series["arm_state"],
         joint_command=series["joint_command"],
+        # Where nothing can be touched nothing of it is logged.
+        contact_wrench=series.get("contact_wrench", np.zeros((count, 6))),
+        measured_wrench=series.get("wrench", np.zeros((count, 7)))[:, 1:],
+        asked_force=series.get("asked_force", np.zeros((count, 1)))[:, 0],
         nozzle_pose=_nozzle_poses(scenario, series["arm_state"]),
         body_pose=series["body_pose"],
         hold_counts=_output(diagram, context, "hold_supervisor", "hold_counts")[

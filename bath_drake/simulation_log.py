@@ -41,6 +41,10 @@ class SimulationLog:
         certified_start: (T, 2) where the reference was then, in N.
         arm_state: (T, 14) joint positions and velocities, rad and rad/s.
         joint_command: (T, 14) the commanded ones.
+        contact_wrench: (T, 6) the true one on the tool, in E: torque, N m, and force,
+            N; zero where nothing can be touched.
+        measured_wrench: (T, 6) what the force sensor said, likewise.
+        asked_force: (T,) that the tool was to press with, N; zero while it was away.
         nozzle_pose: (T, 7) X_WE as quaternion w, x, y, z and position, m.
         body_pose: (T, 7) the true X_WM likewise; for verification only.
         hold_counts: (number of reasons,) how often a hold began.
@@ -82,6 +86,9 @@ class SimulationLog:
     certified_start: FloatArray
     arm_state: FloatArray
     joint_command: FloatArray
+    contact_wrench: FloatArray
+    measured_wrench: FloatArray
+    asked_force: FloatArray
     nozzle_pose: FloatArray
     body_pose: FloatArray
     hold_counts: FloatArray
@@ -124,6 +131,9 @@ class SimulationLog:
             arrays.setdefault("rejected_frames", np.zeros(len(none)))
             arrays.setdefault("guard_mode", np.zeros(len(none)))
             arrays.setdefault("guard_reason", np.zeros(len(none)))
+            arrays.setdefault("contact_wrench", np.zeros((len(none), 6)))
+            arrays.setdefault("measured_wrench", np.zeros((len(none), 6)))
+            arrays.setdefault("asked_force", np.zeros(len(none)))
         if "joint_command" in arrays:
             arrays.setdefault("checked_command", arrays["joint_command"])
         counts = arrays.get("hold_counts")

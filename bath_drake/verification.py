@@ -18,6 +18,7 @@ from bath_drake.control.certified_world import (
 )
 from bath_drake.faults.expectation import judge_reaction
 from bath_drake.faults.touch import area_touches
+from bath_drake.force_figures import force_figures, normal_force
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
 from bath_drake.limit_checks import fault_checks, limit_checks
@@ -35,6 +36,8 @@ from bath_drake.log_figures import (
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
+from bath_drake.patient.skin_segments import segmented_skin
+from bath_drake.patient.touched_skin import touched_skin_error
 from bath_drake.patient.washed_skin import tracking_lag, washed_skin
 from bath_drake.patient.wound import signed_polygon_distance, wound_patch
 from bath_drake.perception.frame_delivery import dropped_frames
@@ -48,6 +51,9 @@ from bath_drake.washing.config import washing_tool
 from bath_drake.washing.outcome import WashOutcome, wash_outcome
 from bath_drake.washing.places import back_places
 from bath_drake.washing.washed_places import washed_seconds
+
+# Samples of the log between looks at the touched skin: 0.1 s.
+_TOUCHED_EVERY = 10
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -149,13 +155,18 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         wounds=outlines,
         spared=_spared(scenario),
     )
-    surface_error = (distance - scenario.control.standoff) * 1e3
+    # In contact the stand-off asked for is where the face would be, were it hard.
+    surface_error = (distance - log.standoff[washing]) * 1e3
     normal_error = np.degrees(np.arccos(cosine))
     speed = _speed(time[met], hits)
     world = certify_world(driven_world(log), log.certified_start[-1])
-    touched, made_up_entries = area_touches(
+    touched_at, made_up_entries = area_touches(
         scenario.faults.areas, log.time, log.canonical_position
     )
+    force = touched = None
+    if scenario.scene.arm.fidelity == "contact":
+        force = force_figures(log, scenario.control.force)
+        touched = _touched_skin(scenario, person, time, nozzle)
     metrics: dict[str, Any] = {
         "frechet": _frechet(skill, executed - offsets, path),
         "periodic": washed_cycles(skill.periodic, executed - reference, offsets),
@@ -168,7 +179,11 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "surface_error_mm": mean_max(np.abs(surface_error)),
         "surface_lag_s": tracking_lag(surface_error / 1e3, washed.receded, time),
         "normal_error_deg": mean_max(normal_error),
-        "standoff_or_force": mean_max(distance),
+        "standoff_or_force": mean_max(
+            distance if force is None else normal_force(log)[washing]
+        ),
+        "force": force,
+        "touched_skin_mm": touched,
         "speed_m_per_s": mean_max(speed),
         "washed_off_the_body": int(np.count_nonzero(~met)),
         "restricted_entries": _entries(clearance) + made_up_entries,
@@ -199,7 +214,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         begins = scenario.expect.begins
         metrics["reaction"] = judge_reaction(
             scenario.expect,
-            touched if begins is None else begins,
+            touched_at if begins is None else begins,
             time=log.time,
             mode=log.guard_mode,
             reason=log.guard_reason,
@@ -257,6 +272,25 @@ def _nozzle_in_mesh(
         p_WE = drake_vector(log.nozzle_pose[samples[max(row - 1, 0)], 4:])
         before[row] = X_MW.multiply(p_WE)
     return tips, jets, before
+
+
+def _touched_skin(
+    scenario: Scenario, person: Person, time: FloatArray, tips_M: FloatArray
+) -> dict[str, float | None]:
+    """How far the touched skin lies from the true one under the tool, mm."""
+    motion = scenario.scene.motion
+    some = slice(None, None, _TOUCHED_EVERY)
+    mean, most = touched_skin_error(
+        person,
+        segmented_skin(person, bends=motion.bends),
+        motion,
+        time[some],
+        tips_M[some],
+    )
+    if not len(mean):
+        return {"mean": None, "max": None}
+    # Off the slabs there is no skin to touch: then neither figure is a number.
+    return {"mean": float(1e3 * mean.mean()), "max": float(1e3 * most.max())}
 
 
 def _frechet(

@@ -177,6 +177,9 @@ def make_log(
         certified_start=np.tile(p_N[0], (count, 1)),
         arm_state=np.zeros((count, 14)),
         joint_command=np.zeros((count, 14)),
+        contact_wrench=np.zeros((count, 6)),
+        measured_wrench=np.zeros((count, 6)),
+        asked_force=np.zeros(count),
         nozzle_pose=np.array(
             [_pose_row(R, p) for R, p in zip(rotations, tips, strict=True)]
         ),

@@ -4,7 +4,7 @@ import pytest
 from write_wiring import BUILDERS, shipped_diagram
 
 from bath_drake.control_diagram import guard_limits
-from bath_drake.scenario import ControlConfig, Scenario
+from bath_drake.scenario import ControlConfig, Scenario, load_scenario
 from bath_drake.systems._guard_facts import OPTIONAL_PORTS
 
 # In these the arm stands at home, by a constant, or there is none.
@@ -34,6 +34,9 @@ def test_all_that_moves_the_arm_is_the_joint_guards_checked_command(name):
         for (system, port), source in sources(diagram).items()
         if system == "plant" and source[0] != "scene_graph"
     }
+    # Of the person's skin, in the same plant where it can be touched.
+    moved = commands.pop("skin_desired_state", None)
+    assert moved in (None, ("patient_motion", "skin_segments"))
     assert commands == {
         "arm_desired_state": ("joint_guard", "checked_command"),
         # Carries the arm's own weight, from its measured state alone.
@@ -87,6 +90,19 @@ def test_what_the_guard_holds_is_held_where_it_is_planned(name):
 
 # An operator's reset has no source in simulation; the joint command is of this tick.
 UNWATCHED = {"reset", "command_stamp"}
+# With ideal perception there are no frames and no bodies to watch.
+UNSEEN = {"frame_status", "body_status"}
+
+
+def test_where_skin_is_touched_the_guard_and_the_regulator_feel_the_same_force():
+    fed = sources(shipped_diagram("wash_contact"))
+    measured = ("force_sensor", "wrench")
+    assert fed["joint_guard", "wrench"] == measured
+    assert fed["force_regulator", "wrench"] == measured
+    assert fed["force_sensor", "contact_wrench"] == ("contact_wrench",) * 2
+    # And what the force moves goes through inverse kinematics and guard as all else.
+    assert fed["surface_reference", "standoff"] == ("force_regulator", "standoff")
+    assert fed["force_regulator", "hold"] == ("joint_guard", "hold")
 
 
 @pytest.mark.parametrize("name", DRIVEN)
@@ -96,7 +112,9 @@ def test_the_joint_guard_watches_all_that_there_is_to_watch(name):
         for system, port in sources(shipped_diagram(name))
         if system == "joint_guard"
     }
-    assert set(OPTIONAL_PORTS) - fed == UNWATCHED
+    scenario = load_scenario(name)
+    ideal = scenario.perception.source == "ideal"
+    assert set(OPTIONAL_PORTS) - fed == UNWATCHED | (UNSEEN if ideal else set())
 
 
 @pytest.mark.parametrize(("asked", "kept"), [(0.05, 0.05), (0.1, 0.1), (0.4, 0.1)])

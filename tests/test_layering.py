@@ -56,6 +56,7 @@ ORDER = (
     ("simulation",),
     ("carer_recording",),
     ("limit_checks", "log_figures"),
+    ("force_figures",),
     ("verification",),
     ("graph_layout",),
     ("block_diagram",),
@@ -122,6 +123,7 @@ def test_the_loop_never_imports_the_true_person():
         "rig",
         "true_back",
         "washed_skin",
+        "touched_skin",
         "shell",
         "gltf",
     )

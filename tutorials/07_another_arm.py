@@ -1,9 +1,10 @@
 # %% [markdown]
 # # Another arm
 #
-# The arm is the scenario's choice: a model's file, where it stands, and two postures. This
-# takes the KUKA LBR iiwa 14 that ships as if it were an arm of one's own, looks at what is
-# read out of its file, asks whether it gets all over a back, and has it wash.
+# The arm is the scenario's choice: a model's file, where it stands, and two postures.
+# This takes the KUKA LBR iiwa 14 that ships as if it were an arm of one's own, looks
+# at what is read out of its file, asks whether it gets all over a back, and has it
+# wash.
 
 # %%
 import shutil
@@ -26,9 +27,10 @@ from bath_drake.verification import evaluate
 # %% [markdown]
 # ## A folder of one's own
 #
-# A URDF: seven revolute joints in a row from the link `base` to the link `nozzle_tip` (z along
-# the jet), a transmission for each, collision and visual geometry. Beside it, if one likes, a
-# YAML file of the same name with home, posture and place (docs/arms.md).
+# A URDF: seven revolute joints in a row from the link `base` to the link `nozzle_tip`
+# (z along the jet), a transmission for each, collision and visual geometry. Beside
+# it, if one likes, a YAML file of the same name with home, posture and place
+# (docs/arms.md).
 
 # %%
 folder = Path(tempfile.mkdtemp())
@@ -54,8 +56,9 @@ skill = load_skill(find_skill(scenario.skill))
 # %% [markdown]
 # ## What is read out of the file
 #
-# The chain of links, and a capsule around each piece of collision geometry: from these the guard
-# is told how near links come to each other. At home they are far from touching.
+# The chain of links, and a capsule around each piece of collision geometry: from
+# these the guard is told how near links come to each other. At home they are far from
+# touching.
 
 # %%
 chain = arm_chain(scenario.scene.arm)
@@ -75,8 +78,8 @@ axes.set_zlabel("z, m")
 # %% [markdown]
 # ## Does it get there?
 #
-# The path is followed as the inverse kinematics follows it, with the person in every pose; and
-# so is the whole back. What `bath-drake reach` prints is this.
+# The path is followed as the inverse kinematics follows it, with the person in every
+# pose; and so is the whole back. What `bath-drake reach` prints is this.
 
 # %%
 found = reachability(scenario, skill)
@@ -86,8 +89,8 @@ print(f"{100 * found.back.share:.0f} % of the back is within reach")
 # %% [markdown]
 # ## It washes
 #
-# The Diagram is the same, wire for wire: nothing in it knows which arm this is but by the
-# model that it was built with.
+# The Diagram is the same, wire for wire: nothing in it knows which arm this is but by
+# the model that it was built with.
 
 # %%
 log = run(build_reproduction(scenario, skill), scenario)

@@ -1,10 +1,11 @@
 """Drake's two families of differential inverse kinematics on one and the same task.
 
-The task: the nozzle's desired poses of a wash on a moving, bending back, as the loop with
-ideal perception asks for them. `DoDifferentialInverseKinematics` is asked by our
-`DifferentialIk` (velocity of the pose fed forward, the turn about the jet free);
-`DifferentialInverseKinematicsController` follows the poses themselves, its masks are of
-fixed axes and cannot free that turn, and it may take collision constraints.
+The task: the nozzle's desired poses of a wash on a moving, bending back, as the loop
+with ideal perception asks for them. `DoDifferentialInverseKinematics` is asked by our
+`DifferentialIk` (velocity of the pose fed forward, the turn about the jet free, joint
+accelerations bounded); `DifferentialInverseKinematicsController` follows the poses
+themselves, bounds no acceleration, has masks of fixed axes that cannot free that turn,
+and takes collision constraints.
 """
 
 import contextlib
@@ -47,8 +48,8 @@ from bath_drake.systems.differential_ik import DifferentialIk
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
 STEP = 0.005  # s
-# The first pose is held for so long before the rest is followed, s: one family turns the
-# nozzle about the jet as well.
+# The first pose is held for so long before the rest is followed, s: one family turns
+# the nozzle about the jet as well.
 _SETTLED = 3.0
 # Kept between links, and from where on it is heeded, m.
 _SAFETY, _INFLUENCE = 0.03, 0.06
@@ -140,8 +141,8 @@ def followed_by_velocity(task: Task, scenario: Scenario) -> Tracking:
     def step(k: int, pose: RigidTransform) -> FloatArray:
         desired.FixValue(context, Value(pose))
         simulator.AdvanceTo((k + 0.5) * STEP)
-        q: FloatArray = dut.GetOutputPort("joint_command").Eval(context)[:7]
-        return q
+        command: Any = dut.GetOutputPort("joint_command").Eval(context)
+        return np.array(command[:7])
 
     return _tracked(task, scenario, step)
 
@@ -150,7 +151,8 @@ def followed_by_pose(task: Task, scenario: Scenario, *, collisions: bool) -> Tra
     """`DifferentialInverseKinematicsController`, with or without collisions."""
     checker, joints = _checker(scenario)
     plant = checker.plant()
-    dut = DifferentialInverseKinematicsController(_recipe(checker, joints, collisions), [])
+    recipe = _recipe(checker, joints, collisions)
+    dut: Any = DifferentialInverseKinematicsController(recipe, [])
     simulator = Simulator(dut)
     context = simulator.get_mutable_context()
     dut.set_initial_position(context, drake_vector(task.q))
@@ -204,7 +206,8 @@ def _tracked(task: Task, scenario: Scenario, step: Any) -> Tracking:
         stood += int(np.array_equal(q, path[-1]) and away[-1] > 1e-3)
         path.append(q)
     settled = np.array(away[first:])
-    bends = np.diff(np.array(path[first:]), 2, axis=0) / STEP**2
+    q_all: Any = np.stack(path[first:])
+    bends = np.diff(q_all, 2, axis=0) / STEP**2
     return Tracking(
         mean=float(settled.mean()),
         greatest=float(settled.max()),
@@ -214,13 +217,14 @@ def _tracked(task: Task, scenario: Scenario, step: Any) -> Tracking:
     )
 
 
-def _checker(scenario: Scenario) -> tuple[SceneGraphCollisionChecker, list[Any]]:
+def _checker(scenario: Scenario) -> tuple[Any, list[Any]]:
     builder = RobotDiagramBuilder(time_step=1e-3)
     instance = add_arm(builder.plant(), scenario.scene.arm)
-    model = builder.Build()
+    model: Any = builder.Build()
     plant = model.plant()
     joints = [plant.get_joint(JointIndex(k)) for k in range(plant.num_joints())]
-    checker = SceneGraphCollisionChecker(
+    make: Any = SceneGraphCollisionChecker  # its stub takes nothing
+    checker = make(
         model=model,
         robot_model_instances=[instance],
         edge_step_size=0.1,
@@ -229,9 +233,7 @@ def _checker(scenario: Scenario) -> tuple[SceneGraphCollisionChecker, list[Any]]
     return checker, [joint for joint in joints if joint.num_velocities() > 0]
 
 
-def _recipe(
-    checker: SceneGraphCollisionChecker, joints: list[Any], collisions: bool
-) -> Dik:
+def _recipe(checker: Any, joints: list[Any], collisions: bool) -> Dik:
     plant = checker.plant()
     tracking = TrackingConfig()
     turn, shift = tracking.angular_speed, tracking.speed

@@ -45,6 +45,10 @@ _BENDS = (
     "The person's skin bends in this run, but it does not give way: nothing touches it."
 )
 
+_TOUCHED = (
+    "A soft sponge touches it: slabs of skin that move with the true one and give way "
+    "as compliant hydroelastic bodies do."
+)
 
 _IDEAL = (
     "Perception was ideal: the loop was told the true back, and no image was rendered."
@@ -108,6 +112,8 @@ def render_report(run: RunData) -> str:
 def _conditions(scenario: Scenario) -> str:
     """What is simpler in the run than in a bathroom."""
     parts = [_BENDS if scenario.scene.motion.bends else _RIGID]
+    if scenario.scene.arm.fidelity == "contact":
+        parts = [parts[0].split(", but")[0].rstrip(".") + ".", _TOUCHED]
     if scenario.perception.source == "ideal":
         parts.append(_IDEAL)
     if scenario.scene.arm.fidelity == "kinematic":

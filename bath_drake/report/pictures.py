@@ -12,6 +12,7 @@ from bath_drake.report import camera_figures, field_figures, style, time_figures
 from bath_drake.report.certificate_figure import draw_certificate
 from bath_drake.report.coverage_figure import draw_coverage
 from bath_drake.report.cycle_figure import draw_cycle
+from bath_drake.report.force_figure import draw_force
 from bath_drake.report.generalisation_figure import draw_generalisation
 from bath_drake.report.reach_figures import draw_placement, draw_reachability
 from bath_drake.report.run_data import RunData
@@ -166,6 +167,15 @@ def draw_pictures(run: RunData) -> dict[str, Picture]:
     )
     if run.metrics.get("reachability") is not None:
         _add_reach_pictures(run, add)
+    add(
+        "force",
+        draw_force(run),
+        "The force over time: asked for, measured and true",
+        "The sponge's force along its own axis. The true one is the sum of the "
+        "contact's pressures; the measured one has the sensor's bias and noise, and is "
+        "what the regulator and the guard go by. Below, how far off the skin the "
+        "nozzle's tip is asked to be: the sponge's face is 60 mm ahead of it.",
+    )
     # Ideal perception takes no images.
     if frame is not None and run.scenario.perception.source != "ideal":
         _add_camera_pictures(run, add)

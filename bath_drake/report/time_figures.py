@@ -41,8 +41,8 @@ def draw_over_time(run: RunData) -> Figure:
     figure = style.new_figure(0.9 + 1.25 * len(panels))
     column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, panel in zip(column, panels, strict=True):
-        _shade_phases(axes, run)
-        _mark_holds(axes, run)
+        shade_phases(axes, run)
+        mark_holds(axes, run)
         axes.plot(panel.time, panel.value, color=panel.colour, lw=1.3)
         _draw_limits(axes, panel)
         axes.set_ylabel(panel.label, rotation=0, ha="right", va="center", labelpad=8)
@@ -178,12 +178,14 @@ def _spans(time: FloatArray, value: FloatArray) -> list[tuple[float, float, int]
     ]
 
 
-def _shade_phases(axes: Axes, run: RunData) -> None:
+def shade_phases(axes: Axes, run: RunData) -> None:
+    """Shades lining up and coming down."""
     for start, end, phase in _spans(run.log.time, run.log.phase):
         axes.axvspan(start, end, color=style.PHASES[phase % 3], lw=0, zorder=0)
 
 
-def _mark_holds(axes: Axes, run: RunData) -> None:
+def mark_holds(axes: Axes, run: RunData) -> None:
+    """Colours the times in which the guard let nothing pass."""
     # Older logs know only what planning was told to hold for.
     held = (run.log.hold_reason != HoldReason.NONE).astype(float)
     mode = np.maximum(run.log.guard_mode, held * Mode.HOLD)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydrake.geometry import (
@@ -20,9 +21,12 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import (
     BodyIndex,
+    Frame,
     JointActuatorIndex,
     ModelInstanceIndex,
     PdControllerGains,
+    PrismaticJoint,
+    PrismaticSpring,
 )
 from pydrake.systems.framework import DiagramBuilder
 
@@ -31,12 +35,21 @@ from bath_drake.notation import FloatArray
 from bath_drake.resources import models_folder
 from bath_drake.scene.arm_file import find_arm
 from bath_drake.scene.config import ArmConfig
+from bath_drake.systems._ports import drake_vector
 from bath_drake.systems._poses import at
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
 # The link that a model of an arm stands on.
 BASE_LINK = "base"
 _JOINTS = 7
+SPONGE_BODY = "sponge"
+# A capsule around it in the nozzle's frame E: two ends and a radius, m.
+SPONGE_CAPSULES = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.03, 0.033]])
+# How far its face is ahead of the nozzle's tip while nothing presses on it, m.
+SPONGE_LENGTH = 0.06
+# N/m along its axis, N s/m, and how far it gives, m: a bath sponge of some 20 cm^2 and
+# 30 mm that gives 8 mm to 4 N. An assumption of ours, not a measurement.
+SPONGE_STIFFNESS, _SPONGE_DAMPING, _SPONGE_GIVES = 500.0, 5.0, 0.025
 # A circle's outline as a polygon around it, for the hulls.
 _CIRCLE_CORNERS = 16
 
@@ -46,8 +59,17 @@ def base_pose(config: ArmConfig) -> RigidTransform:
     return at(config.base_position, RotationMatrix.MakeZRotation(config.base_yaw))
 
 
-def add_arm(plant: MultibodyPlant, config: ArmConfig) -> ModelInstanceIndex:
+def add_arm(
+    plant: MultibodyPlant, config: ArmConfig, *, soft: bool = False
+) -> ModelInstanceIndex:
     """Adds the arm, welded at its base, with its PD gains; instance `arm`.
+
+    A sponge is an instance of its own, `sponge`, at the nozzle's tip.
+
+    Args:
+        plant: Gets it.
+        config: Its place, gains and tool.
+        soft: Whether a sponge gives way along its axis, on a spring; else it is welded.
 
     Raises:
         ScenarioError: If its model cannot be read, or is no arm of ours: links `base`
@@ -73,6 +95,14 @@ def add_arm(plant: MultibodyPlant, config: ArmConfig) -> ModelInstanceIndex:
         )
     for actuator, p, d in zip(actuators, config.stiffness, config.damping, strict=True):
         actuator.set_controller_gains(PdControllerGains(p=p, d=d))
+    if config.tool == "sponge":
+        (sponge,) = parser.AddModels(models / "arm" / "sponge.urdf")
+        tip = plant.GetFrameByName(NOZZLE_FRAME, arm)
+        body = plant.GetBodyByName(SPONGE_BODY, sponge)
+        if soft:
+            _add_spring(plant, tip, body.body_frame())
+        else:
+            plant.WeldFrames(tip, body.body_frame())
     return arm
 
 
@@ -88,6 +118,21 @@ def _parsed(parser: Parser, plant: MultibodyPlant, urdf: Path) -> ModelInstanceI
         if not plant.HasFrameNamed(link, arm):
             raise ScenarioError(f"{urdf}: found no link {link!r}, allowed one")
     return arm
+
+
+def _add_spring(plant: MultibodyPlant, tip: Frame, sponge: Frame) -> None:
+    joint: Any = plant.AddJoint(
+        PrismaticJoint(
+            "sponge_spring",
+            tip,
+            sponge,
+            drake_vector([0.0, 0.0, 1.0]),
+            -_SPONGE_GIVES,
+            _SPONGE_GIVES,
+            _SPONGE_DAMPING,
+        )
+    )
+    plant.AddForceElement(PrismaticSpring(joint, 0.0, SPONGE_STIFFNESS))
 
 
 def make_control_plant(config: ArmConfig) -> MultibodyPlant:

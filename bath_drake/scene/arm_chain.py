@@ -14,7 +14,7 @@ from bath_drake.errors import ScenarioError
 from bath_drake.notation import FloatArray
 from bath_drake.safety.arm_chain import NOZZLE, ArmChain
 from bath_drake.safety.limits import JOINTS
-from bath_drake.scene.arm import BASE_LINK, add_arm, hull_vertices
+from bath_drake.scene.arm import BASE_LINK, SPONGE_CAPSULES, add_arm, hull_vertices
 from bath_drake.scene.arm_file import find_arm, read_arm_file
 from bath_drake.scene.config import ArmConfig
 from bath_drake.systems._ports import drake_vector
@@ -34,7 +34,8 @@ def arm_chain(config: ArmConfig) -> ArmChain:
     urdf = find_arm(config.model)
     told = urdf.with_suffix(".yaml")
     stamps = tuple(p.stat().st_mtime_ns if p.exists() else 0 for p in (urdf, told))
-    return _read(urdf, config.model, stamps)
+    chain = _read(urdf, config.model, stamps)
+    return chain.with_tool(SPONGE_CAPSULES) if config.tool == "sponge" else chain
 
 
 @lru_cache(maxsize=8)

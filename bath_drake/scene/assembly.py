@@ -1,6 +1,6 @@
 """Puts the robot's scene into a DiagramBuilder: room, person, camera and the arm."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydrake.geometry import FrameId, GeometryId, SceneGraph
 from pydrake.math import RigidTransform, RotationMatrix
@@ -16,9 +16,11 @@ from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from pydrake.systems.sensors import RgbdSensor
 
 from bath_drake.patient.people import Person, load_person
+from bath_drake.patient.segment_motion import SegmentedSkin
 from bath_drake.patient.skin_parts import SkinPart
+from bath_drake.patient.skin_segments import segmented_skin
 from bath_drake.patient.wound import WoundPatch
-from bath_drake.scene.arm import add_arm, home_position
+from bath_drake.scene.arm import SPONGE_BODY, add_arm, home_position, make_control_plant
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.scene.room import add_pedestal
 from bath_drake.scene.studio import (
@@ -27,7 +29,9 @@ from bath_drake.scene.studio import (
     true_person_pose,
     true_wound,
 )
+from bath_drake.scene.touched_skin import add_touched_skin
 from bath_drake.systems._poses import at
+from bath_drake.systems.gravity_compensation import GravityCompensation
 from bath_drake.systems.kinematic_arm import KinematicArm
 from bath_drake.systems.patient_motion import PatientMotion
 
@@ -52,6 +56,8 @@ class Scene:
         wound: The true wound, or None.
         X_WC: The camera's pose.
         config: What it was built from.
+        contact_results: The plant's, where skin can be touched; else None.
+        tool: The geometries that touch it.
     """
 
     plant: MultibodyPlant | KinematicArm
@@ -68,6 +74,8 @@ class Scene:
     wound: WoundPatch | None
     X_WC: RigidTransform
     config: SceneConfig
+    contact_results: OutputPort | None = None
+    tool: frozenset[GeometryId] = frozenset()
 
     def true_person_pose(self, t: float) -> RigidTransform:
         """Returns the true X_WM at time t, for verification alone."""
@@ -81,6 +89,10 @@ class _Arm:
     state: OutputPort
     scene_graph: SceneGraph | None
     instance: ModelInstanceIndex | None = None
+    skin: SegmentedSkin | None = None
+    skin_command: InputPort | None = None
+    contact_results: OutputPort | None = None
+    tool: frozenset[GeometryId] = frozenset()
 
 
 def add_scene(
@@ -119,7 +131,7 @@ def add_scene(
     if config.arm.fidelity == "kinematic":
         arm = _kinematic_arm(builder, config, seen)
     else:
-        arm = _dynamic_arm(builder, config)
+        arm = _dynamic_arm(builder, config, person)
     if seen and arm.scene_graph is not None:
         studio = add_studio(
             builder,
@@ -128,6 +140,7 @@ def add_scene(
             person,
             frame_period=frame_period,
             films=films,
+            segments=arm.skin,
         )
         add_pedestal(arm.scene_graph, studio.room, config.arm)
         camera, motion, frame = (
@@ -138,9 +151,11 @@ def add_scene(
         skin, geometries, wound = studio.skin, studio.skin_geometries, studio.wound
     else:
         frame = FrameId.get_new_id()
-        motion = add_patient_motion(builder, config, person, frame)
+        motion = add_patient_motion(builder, config, person, frame, segments=arm.skin)
         camera, skin, geometries = None, (), ()
         wound = true_wound(config, person)
+    if arm.skin_command is not None:
+        builder.Connect(motion.GetOutputPort("skin_segments"), arm.skin_command)
     return Scene(
         plant=arm.plant,
         arm_command=arm.command,
@@ -156,28 +171,55 @@ def add_scene(
         wound=wound,
         X_WC=at(config.camera.eye, RotationMatrix(config.camera.rotation())),
         config=config,
+        contact_results=arm.contact_results,
+        tool=arm.tool,
     )
 
 
-def _dynamic_arm(builder: DiagramBuilder, config: SceneConfig) -> _Arm:
+def _dynamic_arm(builder: DiagramBuilder, config: SceneConfig, person: Person) -> _Arm:
+    touches = config.arm.fidelity == "contact"
     plant, scene_graph = AddMultibodyPlant(
         MultibodyPlantConfig(
-            time_step=config.time_step, discrete_contact_approximation="sap"
+            time_step=config.time_step,
+            contact_model="hydroelastic_with_fallback",
+            discrete_contact_approximation="sap",
         ),
         builder,
     )
     plant.set_name("plant")
     scene_graph.set_name("scene_graph")
-    arm = add_arm(plant, config.arm)
+    arm = add_arm(plant, config.arm, soft=touches)
+    skin, instance = None, None
+    if touches:
+        skin = segmented_skin(person, bends=config.motion.bends)
+        X_WM = true_person_pose(config, person, 0.0)
+        instance = add_touched_skin(plant, scene_graph, skin, X_WM)
     plant.Finalize()
     plant.SetDefaultPositions(arm, home_position(config.arm))
-    _compensate_gravity(builder, plant, arm)
-    return _Arm(
+    # The plant itself is the model where the arm is all there is in it: Drake keeps
+    # a pointer only, and a plant of its own would be gone with its Python name.
+    _compensate_gravity(
+        builder,
+        plant,
+        arm,
+        GravityCompensation(plant=make_control_plant(config.arm)) if touches else None,
+    )
+    moved = _Arm(
         plant,
         plant.get_desired_state_input_port(arm),
         plant.get_state_output_port(arm),
         scene_graph,
         arm,
+    )
+    if instance is None:
+        return moved
+    sponge = plant.GetBodyByName(SPONGE_BODY)
+    return replace(
+        moved,
+        skin=skin,
+        skin_command=plant.get_desired_state_input_port(instance),
+        contact_results=plant.get_contact_results_output_port(),
+        tool=frozenset(plant.GetCollisionGeometriesForBody(sponge)),
     )
 
 
@@ -212,18 +254,18 @@ def _compensate_gravity(
     builder: DiagramBuilder,
     plant: MultibodyPlant,
     arm: ModelInstanceIndex,
+    own: GravityCompensation | None,
 ) -> None:
     """Without it the implicit PD would let the nozzle droop."""
-    # The plant itself is the model, for the arm is all there is in it: Drake keeps
-    # a pointer only, and a plant of its own would be gone with its Python name.
-    gravity = InverseDynamics(
-        plant, InverseDynamics.InverseDynamicsMode.kGravityCompensation
-    )
-    builder.AddNamedSystem("gravity_compensation", gravity)
-    builder.Connect(
-        plant.get_state_output_port(arm), gravity.get_input_port_estimated_state()
-    )
-    builder.Connect(
-        gravity.get_output_port_generalized_force(),
-        plant.get_actuation_input_port(arm),
-    )
+    if own is not None:
+        builder.AddNamedSystem("gravity_compensation", own)
+        taken, given = own.get_input_port(), own.get_output_port()
+    else:
+        gravity = InverseDynamics(
+            plant, InverseDynamics.InverseDynamicsMode.kGravityCompensation
+        )
+        builder.AddNamedSystem("gravity_compensation", gravity)
+        taken = gravity.get_input_port_estimated_state()
+        given = gravity.get_output_port_generalized_force()
+    builder.Connect(plant.get_state_output_port(arm), taken)
+    builder.Connect(given, plant.get_actuation_input_port(arm))

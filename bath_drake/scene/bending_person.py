@@ -64,10 +64,11 @@ def shell_mesh(shell: FloatArray, triangles: IntArray, name: str) -> Mesh:
         triangles: (m, 3) indices of the first n, as of `foldable`.
         name: For error messages.
     """
-    return _vtk_mesh(shell, shell_tetrahedra(triangles, len(shell) // 2), name)
+    return vtk_mesh(shell, shell_tetrahedra(triangles, len(shell) // 2), name)
 
 
-def _vtk_mesh(points: FloatArray, tetrahedra: IntArray, name: str) -> Mesh:
+def vtk_mesh(points: FloatArray, tetrahedra: IntArray, name: str) -> Mesh:
+    """Returns tetrahedra (m, 4), indices of points (n, 3) in m, as a mesh in memory."""
     lines = ["# vtk DataFile Version 3.0", "skin", "ASCII", "DATASET UNSTRUCTURED_GRID"]
     lines.append(f"POINTS {len(points)} double")
     lines += [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]

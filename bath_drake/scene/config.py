@@ -16,7 +16,8 @@ from bath_drake.perception.faults import FaultsConfig, check_faults
 from bath_drake.scene.arm_file import SHIPPED, completed, find_arm
 
 CAMERA_NOISES = ("none", *CAMERA_MODELS)
-FIDELITIES = ("dynamic", "kinematic")
+FIDELITIES = ("dynamic", "kinematic", "contact")
+TOOLS = ("nozzle", "sponge")
 BACKGROUNDS = ("plain", "tan_wall", "dark_wall", "clutter", "second_person")
 
 
@@ -92,7 +93,11 @@ class ArmConfig:
     # A shipped arm, or the path of a .urdf file: see docs/arms.md.
     model: str = SHIPPED
     # dynamic: masses, motors, gravity. kinematic: it is exactly where it is told.
+    # contact: dynamic, and the skin of the back can be touched.
     fidelity: str = "dynamic"
+    tool: str = (
+        "nozzle"  # or sponge: one on the nozzle, its face 60 mm ahead of the tip
+    )
     base_position: list[float] = field(
         default_factory=lambda: [-0.055, -0.01, 0.22]
     )  # m, W
@@ -211,6 +216,10 @@ def check_scene(config: SceneConfig) -> None:
     except ValueError as error:
         raise ValueError(f"arm.{error}") from error
     _check_name("arm.fidelity", arm.fidelity, FIDELITIES)
+    _check_name("arm.tool", arm.tool, TOOLS)
+    if arm.fidelity == "contact":
+        # A hard nozzle has no business on skin.
+        _check_name("arm.tool", arm.tool, ("sponge",))
     _check_name("camera.model", camera.model, tuple(CAMERA_MODELS))
     _check_name("camera.noise", camera.noise, CAMERA_NOISES)
     if camera.colour_noise is not None:

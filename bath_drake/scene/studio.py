@@ -32,6 +32,7 @@ from pydrake.systems.sensors import CameraInfo, RgbdSensor
 from bath_drake.patient.bending import BendingSkin
 from bath_drake.patient.motion import person_pose
 from bath_drake.patient.people import PARTS, Person
+from bath_drake.patient.segment_motion import SegmentedSkin
 from bath_drake.patient.skin_parts import SkinPart, skin_parts
 from bath_drake.patient.wound import WoundPatch, wound_patch
 from bath_drake.scene.backgrounds import add_background, room_colours
@@ -94,6 +95,7 @@ def add_studio(
     *,
     frame_period: float = 1.0 / 30.0,
     films: bool = True,
+    segments: SegmentedSkin | None = None,
 ) -> Studio:
     """Adds room, person and camera to a SceneGraph in a builder.
 
@@ -104,6 +106,7 @@ def add_studio(
         person: Who sits there.
         frame_period: Of the camera, s: a bending skin is moved for each frame.
         films: Whether there is a camera that renders.
+        segments: The skin that can be touched; None where nothing touches it.
 
     Raises:
         ScenarioError: If the person is to bend and has no sound rig.
@@ -130,7 +133,13 @@ def add_studio(
     else:
         _add_rigid_parts(scene_graph, source, frame, person, wound)
     motion = add_patient_motion(
-        builder, config, person, frame, skin=shells, frame_period=frame_period
+        builder,
+        config,
+        person,
+        frame,
+        skin=shells,
+        frame_period=frame_period,
+        segments=segments,
     )
     builder.Connect(
         motion.GetOutputPort("geometry_pose"), scene_graph.get_source_pose_port(source)
@@ -166,8 +175,9 @@ def add_patient_motion(
     *,
     skin: Mapping[GeometryId, BendingSkin] | None = None,
     frame_period: float = 1.0 / 30.0,
+    segments: SegmentedSkin | None = None,
 ) -> PatientMotion:
-    """Adds the system `patient_motion`, with the geometries that it moves."""
+    """Adds the system `patient_motion`, with what it moves."""
     motion = PatientMotion(
         frame_id=frame,
         motion=config.motion,
@@ -177,6 +187,8 @@ def add_patient_motion(
         breath_direction=person.back_normal,
         skin=skin,
         frame_period=frame_period,
+        segments=segments,
+        segment_step=config.time_step,
     )
     builder.AddNamedSystem("patient_motion", motion)
     return motion

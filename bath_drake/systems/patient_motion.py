@@ -1,6 +1,7 @@
 """The seated person's motion as a Drake system."""
 
 from collections.abc import Mapping
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from bath_drake.patient.motion import (
     person_pose,
     trunk_bend,
 )
+from bath_drake.patient.segment_motion import SegmentedSkin, segment_positions
 from bath_drake.systems._ports import set_vector
 from bath_drake.systems._poses import at, rotation_from
 
@@ -47,6 +49,7 @@ class PatientMotion(LeafSystem):
         - body_pose
         - trunk_bend
         - skin_configuration (only of a person that bends)
+        - skin_segments (only of one that can be touched)
 
     `geometry_pose` (FramePoseVector) goes to the SceneGraph; `body_pose` (7) is
     X_WM as quaternion w x y z and origin, m: the truth, for logs and for perception
@@ -54,7 +57,9 @@ class PatientMotion(LeafSystem):
     bend and twist, rad, and the chest's swell, m. All three are functions of time.
     `skin_configuration` (GeometryConfigurationVector, m, W) is the skin at the last
     frame; it is state, for whoever asks the SceneGraph anything would have it computed
-    anew at every step otherwise.
+    anew at every step otherwise. `skin_segments` (12 n) are positions and velocities of
+    `bath_drake.patient.segment_motion`, as of one step of the plant later: what a joint
+    is told to come to by the end of it.
     """
 
     def __init__(
@@ -68,6 +73,8 @@ class PatientMotion(LeafSystem):
         breath_direction: FloatArray,
         skin: Mapping[GeometryId, BendingSkin] | None = None,
         frame_period: float = 1.0 / 30.0,
+        segments: SegmentedSkin | None = None,
+        segment_step: float = 0.002,
     ) -> None:
         """Declares the ports.
 
@@ -82,6 +89,8 @@ class PatientMotion(LeafSystem):
             skin: How the vertices of each deformable geometry move; None or none
                 of a person that does not bend.
             frame_period: Of the camera that sees the skin, s; more than `AHEAD_S`.
+            segments: The skin that can be touched; None where nothing touches it.
+            segment_step: Of the plant that they are in, s.
         """
         super().__init__()
         check_motion(motion)
@@ -107,6 +116,20 @@ class PatientMotion(LeafSystem):
         self.DeclareVectorOutputPort(
             "trunk_bend", 4, self._calc_bend, {self.time_ticket()}
         )
+        if segments is not None:
+            if not 0.0 < segment_step < float("inf"):
+                raise ValueError(
+                    f"segment_step must be positive and finite, got {segment_step}"
+                )
+            self._segment_step = segment_step
+            # A function of time alone, asked for twice at each.
+            self._at = lru_cache(maxsize=4)(partial(self._segments_at, segments))
+            self.DeclareVectorOutputPort(
+                "skin_segments",
+                12 * len(segments.segments),
+                self._calc_segments,
+                {self.time_ticket()},
+            )
         self._skin = dict(skin or {})
         if self._skin:
             if not AHEAD_S < frame_period < float("inf"):
@@ -150,6 +173,19 @@ class PatientMotion(LeafSystem):
     def _calc_bend(self, context: Context, output: BasicVector) -> None:
         bend = trunk_bend(context.get_time(), self._motion)
         set_vector(output, [bend.flexion, bend.side_bend, bend.twist, bend.swell])
+
+    def _calc_segments(self, context: Context, output: BasicVector) -> None:
+        now, step = context.get_time(), self._segment_step
+        # Rounded, so that the end of one step is the beginning of the next: 1 ns.
+        before, after = (self._at(round(t, 9)) for t in (now, now + step))
+        set_vector(output, np.concatenate([after, (after - before) / step]))
+
+    def _segments_at(self, segments: SegmentedSkin, t: float) -> FloatArray:
+        start, person = (
+            person_pose(at_time, self._motion, *self._rest, *self._body)
+            for at_time in (0.0, t)
+        )
+        return segment_positions(segments, self._motion, t, start=start, person=person)
 
 
 def _finite(name: str, values: FloatArray) -> FloatArray:

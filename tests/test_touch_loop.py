@@ -1,0 +1,101 @@
+"""Whole closed loops in contact: a sponge washes people who breathe and bend."""
+
+import numpy as np
+import pytest
+
+from bath_drake.control.approach import Phase
+from bath_drake.diagrams import build_reproduction
+from bath_drake.force_figures import normal_force, stroke_samples
+from bath_drake.patient.motion import DepartureConfig
+from bath_drake.patient.people import shipped_people
+from bath_drake.safety.reasons import Mode, Reason
+from bath_drake.scenario import find_skill, load_scenario
+from bath_drake.simulation import run
+from bath_drake.skill_file import load_skill
+from bath_drake.verification import evaluate
+
+
+def washed(scenario):
+    skill = load_skill(find_skill(scenario.skill))
+    log = run(build_reproduction(scenario, skill), scenario)
+    return log, evaluate(log, scenario, skill)
+
+
+# The stoutest and the thinnest; all the others by `make test MARKERS=`.
+PEOPLE = ["m_heavy", "f_thin"]
+PEOPLE += [
+    pytest.param(name, marks=pytest.mark.exhaustive)
+    for name in shipped_people()
+    if name not in PEOPLE
+]
+
+
+@pytest.fixture(scope="module", params=PEOPLE)
+def judged(request):
+    scenario = load_scenario("wash_contact")
+    scenario.scene.person = request.param
+    return scenario, *washed(scenario)
+
+
+@pytest.mark.slow
+def test_the_run_in_contact_passes_its_verification(judged):
+    _, log, evaluation = judged
+    failed = {k: c for k, c in evaluation.metrics["checks"].items() if not c["pass"]}
+    assert failed == {}
+    assert log.outcome == "GOAL_REACHED"
+    assert not log.guard_mode[log.time > 0.5].any()
+
+
+@pytest.mark.slow
+def test_the_force_is_as_asked_for(judged):
+    scenario, log, evaluation = judged
+    force = evaluation.metrics["force"]
+    assert force["set"] == scenario.control.force == 4.0
+    assert force["mean_error"] <= 0.5
+    assert force["within_2_n"] >= 0.99
+    assert force["peak"] <= 10.0
+    assert force["contact_share"] >= 0.98
+    assert evaluation.metrics["standoff_or_force"]["mean"] == pytest.approx(
+        force["mean"], abs=0.01
+    )
+    # The sensor's bias and noise are between the two: a few tenths of a newton.
+    measured = -log.measured_wrench[:, 5]
+    assert np.abs(measured - normal_force(log))[stroke_samples(log)].mean() < 0.5
+
+
+@pytest.mark.slow
+def test_the_tool_comes_down_before_it_is_felt_and_washes_after(judged):
+    _, log, evaluation = judged
+    first = int(np.argmax(log.phase == Phase.WASH))
+    touched = int(np.argmax(normal_force(log) > 0.05))
+    assert 0 < touched < first
+    before = log.canonical_reference[:first]
+    np.testing.assert_array_equal(before, np.tile(before[0], (first, 1)))
+    assert evaluation.metrics["force"]["approach_speed_m_per_s"] <= 0.05
+
+
+@pytest.mark.slow
+def test_the_touched_skin_is_the_true_one_within_two_millimetres(judged):
+    assert judged[2].metrics["touched_skin_mm"]["mean"] <= 2.0
+
+
+@pytest.mark.slow
+def test_a_person_who_moves_against_the_sponge_makes_the_guard_retreat():
+    scenario = load_scenario("wash_contact")
+    scenario.duration = 9.5
+    # Backwards, out of the blue, faster than the nozzle may follow.
+    scenario.scene.motion.departure = DepartureConfig(
+        begin=8.0, seconds=0.35, velocity=[0.0, 0.2, 0.0]
+    )
+    log, evaluation = washed(scenario)
+    size = np.linalg.norm(log.measured_wrench[:, 3:], axis=1)
+    felt = log.time[np.argmax(size > 15.0)]
+    assert 8.0 < felt < 8.5
+    first = int(np.argmax(log.guard_mode >= Mode.RETREAT))
+    assert log.guard_reason[first] in (Reason.FORCE_HIGH, Reason.FORCE_STOP)
+    # A tick of the sensor, one of the guard and one of the log.
+    assert log.time[first] - felt <= 0.02
+    # From then on it is away, as far as the others know, and nothing is washed.
+    assert (log.phase[first + 2 :] != Phase.WASH).all()
+    assert (log.guard_mode[first:] >= Mode.HOLD).all()
+    assert evaluation.metrics["verdict"] == "fail"
