@@ -48,7 +48,7 @@ def test_every_verb_explains_itself(capsys, verb):
         (("capture", "no_such", "-o", "demo.csv"), "no_such"),
         (("learn", "no_such.csv", "-o", "s.yaml"), "no_such.csv"),
         (("certify", "no_such.yaml"), "no_such.yaml"),
-        (("bench", "loop"), "loop: not in this version"),
+        (("bench", "speed"), "speed: no such benchmark"),
         (("bench", "field", "--hours", "1"), "--hours"),
         (("reproduce", "no_such.yaml", "--start", "-9.3e-05", "0.2"), "no_such.yaml"),
     ],

@@ -201,13 +201,13 @@ def _tracked(task: Task, scenario: Scenario, step: Any) -> Tracking:
         q = np.array(step(k, pose))
         seconds.append(time.perf_counter() - begin)
         plant.SetPositions(context, drake_vector(q))
-        tip = frame.CalcPoseInWorld(context).translation()
-        away.append(float(np.linalg.norm(tip - pose.translation())))
+        tip = np.array(frame.CalcPoseInWorld(context).translation())
+        away.append(float(np.linalg.norm(tip - np.array(pose.translation()))))
         stood += int(np.array_equal(q, path[-1]) and away[-1] > 1e-3)
         path.append(q)
     settled = np.array(away[first:])
-    q_all: Any = np.stack(path[first:])
-    bends = np.diff(q_all, 2, axis=0) / STEP**2
+    followed: Any = np.stack(path[first:])
+    bends = (followed[2:] - 2.0 * followed[1:-1] + followed[:-2]) / STEP**2
     return Tracking(
         mean=float(settled.mean()),
         greatest=float(settled.max()),

@@ -90,6 +90,12 @@ def _faults(settings: Settings, progress: Progress) -> Report:
     return run(progress)
 
 
+def _loop(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.loop import run
+
+    return run(progress)
+
+
 def _soak(settings: Settings, progress: Progress) -> Report:
     from bath_drake.benchmarks.soak import run
 
@@ -107,6 +113,7 @@ BENCHMARKS = {
     "perception": Benchmark(_perception),
     "guard": Benchmark(_guard),
     "faults": Benchmark(_faults),
+    "loop": Benchmark(_loop),
     "soak": Benchmark(_soak, frozenset({"hours", "data"})),
 }
 

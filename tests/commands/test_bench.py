@@ -112,7 +112,7 @@ def test_a_terminal_sees_a_bar(capsys, fake, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("loop",), "loop: not in this version; available: field"),
+        (("speed",), "speed: no such benchmark; available: field"),
         (("wash",), "wash: no such benchmark"),
         (("field", "--peers"), "field: --peers is none of its options"),
         (("soak", "--json", "no/such/folder/x.json"), "no/such/folder"),
