@@ -17,6 +17,7 @@ NAMES = (
     "perception",
     "guard",
     "faults",
+    "touch",
     "loop",
     "soak",
 )
@@ -90,6 +91,12 @@ def _faults(settings: Settings, progress: Progress) -> Report:
     return run(progress)
 
 
+def _touch(settings: Settings, progress: Progress) -> list[Figure]:
+    from bath_drake.benchmarks.touch import run
+
+    return run(progress)
+
+
 def _soak(settings: Settings, progress: Progress) -> Report:
     from bath_drake.benchmarks.soak import run
 
@@ -107,6 +114,7 @@ BENCHMARKS = {
     "perception": Benchmark(_perception),
     "guard": Benchmark(_guard),
     "faults": Benchmark(_faults),
+    "touch": Benchmark(_touch),
     "soak": Benchmark(_soak, frozenset({"hours", "data"})),
 }
 
