@@ -17,6 +17,7 @@ NAMES = (
     "perception",
     "guard",
     "faults",
+    "touch",
     "loop",
     "soak",
 )
@@ -96,6 +97,12 @@ def _loop(settings: Settings, progress: Progress) -> Report:
     return run(progress)
 
 
+def _touch(settings: Settings, progress: Progress) -> list[Figure]:
+    from bath_drake.benchmarks.touch import run
+
+    return run(progress)
+
+
 def _soak(settings: Settings, progress: Progress) -> Report:
     from bath_drake.benchmarks.soak import run
 
@@ -114,6 +121,7 @@ BENCHMARKS = {
     "guard": Benchmark(_guard),
     "faults": Benchmark(_faults),
     "loop": Benchmark(_loop),
+    "touch": Benchmark(_touch),
     "soak": Benchmark(_soak, frozenset({"hours", "data"})),
 }
 

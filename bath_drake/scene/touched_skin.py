@@ -27,8 +27,9 @@ from bath_drake.scene.bending_person import vtk_mesh
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems._poses import at
 
-# Pa per metre that the skin is pressed in, as an elastic foundation: soft tissue of
-# some 20 kPa over some 20 mm. An assumption of ours, not a measurement.
+# Pa per metre that the skin is pressed in, as an elastic foundation: to the sponge
+# about what 30 mm of tissue of 10 kPa are (`bath-drake bench touch`). An assumption of
+# ours, not a measurement.
 STIFFNESS = 1.0e6
 _DISSIPATION = 1.0  # s/m, after Hunt and Crossley
 _FRICTION = 0.3  # wet and soapy
