@@ -82,15 +82,17 @@ def test_the_touched_skin_is_the_true_one_within_two_millimetres(judged):
 @pytest.mark.slow
 def test_a_person_who_moves_against_the_sponge_makes_the_guard_retreat():
     scenario = load_scenario("wash_contact")
-    scenario.duration = 9.5
+    scenario.duration = 11.0
+    # Nor does the monitor end the run before the sponge is pressed flat.
+    scenario.control.min_clearance = 0.005
     # Backwards, out of the blue, faster than the nozzle may follow.
     scenario.scene.motion.departure = DepartureConfig(
-        begin=8.0, seconds=0.35, velocity=[0.0, 0.2, 0.0]
+        begin=9.5, seconds=0.35, velocity=[0.0, 0.2, 0.0]
     )
     log, evaluation = washed(scenario)
     size = np.linalg.norm(log.measured_wrench[:, 3:], axis=1)
     felt = log.time[np.argmax(size > 15.0)]
-    assert 8.0 < felt < 8.5
+    assert 9.5 < felt < 10.0
     first = int(np.argmax(log.guard_mode >= Mode.RETREAT))
     assert log.guard_reason[first] in (Reason.FORCE_HIGH, Reason.FORCE_STOP)
     # A tick of the sensor, one of the guard and one of the log.
