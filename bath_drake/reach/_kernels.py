@@ -18,9 +18,12 @@ _JOINTS = 7
 _LEAST_SHARE = 1e-4
 # How many joints may stand at a bound before the nozzle must stay behind.
 _MOST_BOUND = 2
+_SHORT, _TOO_FAST = -1, -2
+# How often a velocity that is too fast is halved.
+_SLOWER = 4
 # A pose is met within this, rad and m, or is waited for in so many steps at most.
 # and no more once a step brings it no nearer than to such a share.
-_NEAR, _NEARER, _PATIENCE = 1e-3, 0.9, 8
+_NEAR, _NEARER, _PATIENCE = 1e-3, 0.96, 16
 
 
 @njit(cache=True)
@@ -93,8 +96,9 @@ def solve(
     One joint after another that would pass its bound is left standing there.
 
     Returns:
-        How many joints stand at a bound; less than zero if V cannot be kept up with:
-        then the joints at their bounds stand and the others do what they can.
+        How many joints stand at a bound; _SHORT if the joints that are left cannot go
+        all of V's directions, and the others are gone; _TOO_FAST if too many joints
+        would pass their bounds: then v says nothing.
     """
     bound = np.zeros(_JOINTS)
     count = 0
@@ -134,11 +138,9 @@ def solve(
             if bound[k] == 0.0 and over > most:
                 worst, most = k, over
         if worst < 0:
-            return count if short == 0 else -1 - count
+            return count if short == 0 else _SHORT
         if count == _MOST_BOUND:
-            for k in range(_JOINTS):
-                v[k] = min(max(v[k], low[k]), high[k])
-            return -1 - count
+            return _TOO_FAST
         bound[worst] = 1.0
         v[worst] = min(max(v[worst], low[worst]), high[worst])
         count += 1
@@ -191,8 +193,19 @@ def follow(
                 most[k] = min(speed[k], (high[k] - q[k]) / dt)
                 # Exactly what a long step of the pull with 1/s comes to.
                 wanted[k] = (posture[k] - q[k]) * (1.0 - np.exp(-dt)) / dt
-            solve(J, V, wanted, least, most, v)
+            # Slower in the same direction, where it would be too fast.
+            found = solve(J, V, wanted, least, most, v)
+            for _ in range(_SLOWER):
+                if found != _TOO_FAST:
+                    break
+                for k in range(_JOINTS):
+                    wanted[k] *= 0.5
+                for k in range(_ROWS):
+                    V[k] *= 0.5
+                found = solve(J, V, wanted, least, most, v)
             for k in range(_JOINTS):
+                if found == _TOO_FAST:
+                    v[k] = 0.0
                 q[k] = min(max(q[k] + dt * v[k], low[k]), high[k])
                 positions[n, k] = q[k]
             pose_and_jacobian(q, origins, turns, tip, p, R, J)

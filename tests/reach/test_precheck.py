@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bath_drake.patient.motion import MotionConfig, person_displacement, trunk_bend
-from bath_drake.patient.people import load_person
+from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.reach.along_path import Manner, along, even
 from bath_drake.reach.back import extreme_motions, nozzle_poses, true_back
 from bath_drake.reach.clearance import body_points, clearance, pedestal_clearance
@@ -182,3 +182,17 @@ def test_the_floors_map_has_the_base_where_it_stands(back, body):
     assert plan.path_share[i, j] == 1.0
     known = plan.share[np.isfinite(plan.share)]
     assert ((known >= 0.0) & (known <= 1.0)).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", shipped_people())
+def test_all_of_the_back_up_to_its_top_is_reached_on_everybody(name):
+    x, y = np.linspace(-0.75, 0.75, 11), np.linspace(-0.8, 0.8, 11)
+    region = np.stack(np.meshgrid(x, y), axis=-1)
+    everyone = true_back(SceneConfig(person=name), load_person(name))
+    places = over(ARM, everyone, MANNER, region)
+    joints = MANNER.limits.joints
+    assert places.reached
+    assert places.condition.max() < 0.9 * joints.condition_stop
+    assert np.mean(places.condition < joints.condition_slow) >= 0.94
+    assert places.self_distance.min() > joints.self_distance
