@@ -42,6 +42,11 @@ def planned_strokes(scenario: Scenario) -> list[StrokeConfig]:
     return [StrokeConfig(start=a.tolist(), goal=b.tolist()) for a, b in ends]
 
 
+def is_strung(skill: Skill) -> bool:
+    """Whether a skill is of several strokes, which nobody demonstrated as a whole."""
+    return _STROKES in skill.config
+
+
 def string_strokes(scenario: Scenario, skill: Skill) -> Skill:
     """A skill of a scenario's strokes in turn, each carried to its start and goal.
 

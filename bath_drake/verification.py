@@ -45,7 +45,7 @@ from bath_drake.rhythm.washed import washed_cycles
 from bath_drake.safety.outcome import LoopOutcome
 from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
-from bath_drake.strokes import planned_strokes
+from bath_drake.strokes import is_strung, planned_strokes
 from bath_drake.systems._ports import drake_vector
 from bath_drake.washing.config import washing_tool
 from bath_drake.washing.outcome import WashOutcome, wash_outcome
@@ -302,7 +302,10 @@ def _frechet(
         return discrete_frechet(a, b) / skill.scale
 
     return {
-        "learned": distance(path, skill.mean_demonstration),
+        # Of strokes strung together the mean is the plan, not a demonstration.
+        "learned": (
+            None if is_strung(skill) else distance(path, skill.mean_demonstration)
+        ),
         "executed": distance(executed, skill.mean_demonstration),
         "executed_against_learned": distance(executed, path),
         "scale": skill.scale,

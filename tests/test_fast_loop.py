@@ -45,8 +45,11 @@ def test_the_run_passes_verification(name):
     assert metrics["verdict"] == "pass"
     assert metrics["perception"] == "ideal"
     assert metrics["frames"] == metrics["dropped_frames"] == 0
-    if name == "restricted_area":
+    if name in ("restricted_area", "coverage"):
         assert metrics["restricted_min_clearance_mm"] > 0.0
+    if name == "coverage":
+        assert metrics["washing"]["strokes"] == 6
+        assert metrics["washing"]["wound_wetted_cm2"] == 0.0
 
 
 def test_nothing_is_rendered_and_nobody_else_notices():

@@ -7,7 +7,12 @@ from bath_drake.composition.chain import Chain
 from bath_drake.errors import ScenarioError
 from bath_drake.scenario import LanesConfig, Scenario, StrokeConfig, load_scenario
 from bath_drake.skill_file import load_skill, save_skill
-from bath_drake.strokes import planned_strokes, scenario_skill, string_strokes
+from bath_drake.strokes import (
+    is_strung,
+    planned_strokes,
+    scenario_skill,
+    string_strokes,
+)
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +28,8 @@ def whole_back(coverage):
 def test_a_scenario_without_strokes_keeps_its_skill(whole_back):
     assert planned_strokes(Scenario()) == []
     assert string_strokes(Scenario(), whole_back) is whole_back
+    assert is_strung(whole_back)
+    assert not is_strung(scenario_skill(Scenario()))
 
 
 def test_the_lanes_of_the_shipped_scenario_are_one_proved_skill(coverage, whole_back):
