@@ -60,7 +60,7 @@ def draw_coverage(
     )
     image = axes.pcolormesh(steps, steps, wet, cmap=_WET, vmin=0.0, vmax=longest)
     bar = figure.colorbar(image, cax=axes.inset_axes((1.06, 0.02, 0.035, 0.5)))
-    bar.set_label("under the water [s]")
+    bar.set_label("under the tool [s]")
     missed = np.where(target & ~(seconds > 0.0), 1.0, np.nan)
     axes.pcolormesh(steps, steps, missed, cmap=ListedColormap([style.RETREAT]))
     if target.any() and not target.all():
