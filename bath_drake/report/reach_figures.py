@@ -41,7 +41,7 @@ def draw_reachability(found: Reachability) -> Figure | None:
     if found.back is None:
         return None
     joints = found.limits.joints
-    figure = style.new_figure(5.2)
+    figure = style.new_figure(4.9)
     left, right = figure.subplots(1, 2)
     slow, stop = joints.condition_slow, joints.condition_stop
     levels = [0.0, 0.6 * slow, 0.8 * slow, slow, (slow + stop) / 2.0, stop]
@@ -50,7 +50,7 @@ def draw_reachability(found: Reachability) -> Figure | None:
     tiles = _tiles(left, found.back, shown, _WORSE, norm)
     bar = figure.colorbar(tiles, ax=left, ticks=levels, shrink=0.75)
     bar.ax.set_yticklabels([f"{level:.0f}" for level in levels])
-    left.set_title(f"Condition number: slower from {slow:g}, stop at {stop:g}")
+    left.set_title(f"Condition number (slow {slow:g}, stop {stop:g})")
     tiles = _tiles(right, found.back, found.back.margin, _SHARES, None, (0.0, 0.8))
     figure.colorbar(tiles, ax=right, shrink=0.75, label="rad", extend="max")
     right.set_title("Least margin to a joint's end")
