@@ -41,7 +41,7 @@ def draw_reachability(found: Reachability) -> Figure | None:
     if found.back is None:
         return None
     joints = found.limits.joints
-    figure = style.new_figure(5.2)
+    figure = style.new_figure(4.9)
     left, right = figure.subplots(1, 2)
     slow, stop = joints.condition_slow, joints.condition_stop
     levels = [0.0, 0.6 * slow, 0.8 * slow, slow, (slow + stop) / 2.0, stop]

@@ -14,6 +14,9 @@ METRICS = {
 }
 
 
+LINE = "reach:   the whole path is reached"
+
+
 class FakeMeshcat:
     def web_url(self):
         return "http://localhost:7000"
@@ -24,13 +27,20 @@ def simulated(monkeypatch):
     """Stands in for the simulation; tells what it was asked for."""
     asked = SimpleNamespace(verdict="pass", calls=[])
 
-    def simulate_into(folder, scenario, skill, *, meshcat, progress, write_frame=None):
+    def reachability(scenario, skill):
+        return SimpleNamespace(lines=lambda: [LINE], metrics=lambda: {"path": "told"})
+
+    def simulate_into(
+        folder, scenario, skill, *, meshcat, progress, reach, write_frame=None
+    ):
+        assert reach == {"path": "told"}
         progress(0.5, scenario.duration)
         progress(scenario.duration + 1.0, scenario.duration)
         asked.calls.append((folder, scenario, skill))
         return SimpleNamespace(metrics={"verdict": asked.verdict, **METRICS})
 
     monkeypatch.setattr(_options, "simulate_into", simulate_into)
+    monkeypatch.setattr(_options, "reachability", reachability)
     monkeypatch.setattr(_options, "Meshcat", FakeMeshcat)
     return asked
 
@@ -42,6 +52,8 @@ def test_the_exit_code_is_the_verdict(simulated, tmp_path, capsys, verdict, code
     assert run_and_report(folder, scenario, "skill", live=False) == code
     assert simulated.calls == [(folder, scenario, "skill")]
     out, err = capsys.readouterr()
+    # What is within reach is said first.
+    assert out.startswith(f"{LINE}\n")
     assert f"verdict: {verdict}" in out
     assert str(folder / REPORT) in out
     assert str(folder / PAGE) in out
@@ -53,7 +65,8 @@ def test_only_live_runs_name_an_address(simulated, tmp_path, capsys):
     run_and_report(tmp_path, Scenario(), "skill", live=False)
     assert "localhost" not in capsys.readouterr().out
     run_and_report(tmp_path, Scenario(), "skill", live=True)
-    assert capsys.readouterr().out.startswith("Meshcat: http://localhost:7000\n")
+    out = capsys.readouterr().out
+    assert out.startswith(f"{LINE}\nMeshcat: http://localhost:7000\n")
 
 
 def test_a_folder_that_cannot_be_stops_before_the_simulation(simulated, tmp_path):
