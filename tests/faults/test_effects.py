@@ -99,7 +99,10 @@ def test_to_drift_along_the_rim_of_an_area_that_leaves_is_no_entry():
             "an output of no guard",
         ),
         (FaultScript(signals=[SignalFault(port="a.b", kind="x")]), "kind: found 'x'"),
-        (FaultScript(signals=[SignalFault(port="a.b")] * 2), "one fault a port"),
+        (
+            FaultScript(signals=[SignalFault(port="a.b")] * 2),
+            "fault of a port at a time",
+        ),
         (FaultScript(areas=[AreaFault(semi_axes=[0.0, 1.0])]), "allowed above 0"),
         (FaultScript(areas=[AreaFault(begin=2.0, end=1.0)]), "the end later"),
         (FaultScript(areas=[AreaFault(centre=[0.0])]), "two finite numbers"),
@@ -117,3 +120,9 @@ def test_what_makes_no_fault_is_refused_by_its_key(script, message):
 def test_a_fault_is_on_from_its_beginning_to_just_before_its_end():
     assert within(fault("nan"), 1.0)
     assert not within(fault("nan"), 2.0)
+
+
+def test_a_port_may_have_one_fault_after_the_other():
+    once = SignalFault(port="a.b", begin=0.0, end=1.0)
+    again = SignalFault(port="a.b", begin=1.0, end=2.0)
+    check_script(FaultScript(signals=[once, again]))
