@@ -213,7 +213,7 @@ def test_the_robot_does_not_stop_at_a_gate(composed):
         assert np.ptp(log.canonical_reference[near], axis=0).max() > 0.01
 
 
-DARK_FROM_S = 7.0
+DARK_FROM_S = 9.0
 
 
 class Shutter(LeafSystem):
