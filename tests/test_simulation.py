@@ -33,12 +33,17 @@ PEOPLE = shipped_people()
 BESIDE_SCRUBBING = WoundConfig(centre=[0.22, 0.12], semi_axes=[0.12, 0.08], angle=0.3)
 # The wound is the harder case, and so are the stoutest person and the thinnest. All the
 # others with all the rest, by `make test MARKERS=`.
-CASES = [("restricted_area", "m_heavy"), ("scrubbing", "f_thin")]
+SCRUBBING = ("scrubbing", "f_thin")
+CASES = [
+    ("restricted_area", "m_heavy"),
+    # In every run with ideal perception: tests/test_fast_loop.py.
+    pytest.param(SCRUBBING, marks=pytest.mark.exhaustive),
+]
 CASES += [
     pytest.param((name, person), marks=pytest.mark.exhaustive)
     for name in ("reproduction", "restricted_area")
     for person in PEOPLE
-    if (name, person) not in CASES
+    if (name, person) != ("restricted_area", "m_heavy")
 ]
 
 
@@ -176,6 +181,9 @@ WOUNDS = {
 def composed(request):
     """Scenario, log and evaluation of a composed skill's closed loop."""
     scenario = load_scenario("reproduction")
+    # The chain is to be followed here, not the camera: cheaper so.
+    scenario.perception.source = "ideal"
+    scenario.scene.arm.fidelity = "kinematic"
     scenario.scene.wound = WOUNDS[request.param]
     if scenario.scene.wound is not None:
         scenario.limits.frechet_executed = None
@@ -312,12 +320,14 @@ def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
     assert (log.hold_reason[dark] != HoldReason.NONE).all()
     assert (log.hold_reason[lost] == HoldReason.BODY_LOST).all()
     assert (log.phase[light] == Phase.WASH).all()
+    # Joints brake with 10 rad/s^2: it takes them some hundredths of a second.
+    still = log.time > DARK_FROM_S + 0.1
     for series in (log.joint_command[:, :7], log.canonical_reference):
         np.testing.assert_array_equal(
-            series[dark], np.tile(series[-1], (dark.sum(), 1))
+            series[still], np.tile(series[-1], (still.sum(), 1))
         )
         assert np.ptp(series[light], axis=0).max() > 0.0
-    np.testing.assert_array_equal(log.joint_command[dark, 7:], 0.0)
+    np.testing.assert_array_equal(log.joint_command[still, 7:], 0.0)
     # Half a second later the arm has come to rest where it was told to stay.
     rest = log.time > DARK_FROM_S + 0.5
     assert np.abs(log.arm_state[rest, 7:]).max() < 1e-3  # rad/s

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from bath_drake.benchmarks.figures import Figure, Progress, Report, Settings
 from bath_drake.errors import BathDrakeError
 
-# The names the command line is to have, whether or not this version has them.
+# The names the command line has: scripts lean on them.
 NAMES = (
     "field",
     "lasa",
@@ -133,8 +133,8 @@ def find(name: str, settings: Settings) -> Benchmark:
         BathDrakeError: There is none of that name, or it does not use an option given.
     """
     if name not in BENCHMARKS:
-        what = "not in this version" if name in NAMES else "no such benchmark"
-        raise BathDrakeError(f"{name}: {what}; available: {', '.join(BENCHMARKS)}")
+        available = ", ".join(BENCHMARKS)
+        raise BathDrakeError(f"{name}: no such benchmark; available: {available}")
     benchmark = BENCHMARKS[name]
     for field in fields(settings):
         if field.name in benchmark.uses:

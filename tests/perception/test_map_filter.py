@@ -42,6 +42,7 @@ def last(seen, **options):
     return smooth
 
 
+@pytest.mark.slow
 @given(turn=VECTOR, shift=VECTOR)
 @settings(max_examples=20)
 def test_it_converges_to_a_map_that_stays(turn, shift):

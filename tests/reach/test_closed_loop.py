@@ -14,7 +14,9 @@ from bath_drake.skill_file import load_skill
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("person", ["m_heavy", "f_thin"])
+@pytest.mark.parametrize(
+    "person", [pytest.param("m_heavy", marks=pytest.mark.exhaustive), "f_thin"]
+)
 def test_the_loops_condition_numbers_along_the_path_are_those_foretold(person):
     scenario = load_scenario("reproduction")
     scenario.scene.person = person

@@ -90,6 +90,7 @@ def test_the_page_states_verdict_limits_of_use_and_rigidity(run_folder, page):
     assert "without noise" in text
 
 
+@pytest.mark.slow
 def test_the_page_of_a_bending_person_before_a_noisy_camera_says_so(run_folder):
     run = load_run(run_folder)
     run.scenario.scene.motion.flexion_amplitude = 0.05
@@ -136,6 +137,7 @@ def test_a_missing_or_damaged_file_is_named(copy, name):
         write_report(copy)
 
 
+@pytest.mark.slow
 def test_a_run_that_never_washed_has_a_report_too(copy):
     log = SimulationLog.load(copy / "log.npz")
     never = replace(log, phase=np.zeros_like(log.phase), outcome="TIMED_OUT")
