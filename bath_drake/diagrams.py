@@ -4,22 +4,21 @@ Each builder unpacks a scenario; no system takes one. The named systems and
 their ports are recorded in `diagrams/wiring`, checked by a test.
 """
 
-from collections.abc import Container
 from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import (
     ConstantVectorSource,
     Demultiplexer,
-    LogVectorOutput,
 )
 
 from bath_drake.control_diagram import add_control
 from bath_drake.errors import ScenarioError
 from bath_drake.fault_diagram import add_faults
 from bath_drake.learning.skill import Skill
+from bath_drake.log_diagram import add_logs
 from bath_drake.perception_diagram import (
     add_ideal_perception,
     add_perception,
@@ -47,55 +46,11 @@ from bath_drake.systems.guard_view import GuardView
 from bath_drake.systems.skin_view import DrawnPart, SkinView
 from bath_drake.wiring import connect
 
-# What a run logs. `body_pose` is the truth: into the log, nowhere else.
-LOGGED_PORTS = (
-    ("canonical_tracker", "canonical_position"),
-    ("canonical_reference", "canonical_reference"),
-    ("stage_sequencer", "stage"),
-    ("approach_sequencer", "phase"),
-    ("approach_sequencer", "standoff"),
-    ("hold_supervisor", "hold_reason"),
-    ("joint_guard", "guard_mode"),
-    ("joint_guard", "guard_reason"),
-    ("joint_guard", "checked_command"),
-    ("canonical_projector", "rejected_frames"),
-    ("certificate_monitor", "certificate_verdict"),
-    ("certificate_monitor", "certificate_seconds"),
-    ("certificate_monitor", "certified_start"),
-    ("differential_ik", "joint_command"),
-    ("plant", "arm_state"),
-    ("patient_motion", "body_pose"),
-)
-# And where there is a periodic motion.
-PERIODIC_PORTS = (("periodic_motion", "canonical_offset"),)
-# And where skin can be touched; phase and stand-off are then the regulator's.
-FORCE_PORTS = (
-    ("force_regulator", "phase"),
-    ("force_regulator", "standoff"),
-    ("force_regulator", "asked_force"),
-    ("force_sensor", "wrench"),
-    ("contact_wrench", "contact_wrench"),
-)
 # Who heeds what the camera saw, and when.
 _WATCHING = ("hold_supervisor", "canonical_guard", "joint_guard")
 # m, from the arm's base: beside it, where the viewer looks past.
 _LAMP = np.array([0.1, 0.45, 0.75])
-_LOG_PERIOD_S = 0.01
 _MESHCAT_PERIOD_S = 1.0 / 15.0
-
-
-def logged_ports(names: Container[str]) -> tuple[tuple[str, str], ...]:
-    """The systems and ports that a Diagram with systems of these names logs."""
-    ports = LOGGED_PORTS + (PERIODIC_PORTS if "periodic_motion" in names else ())
-    if "force_regulator" not in names:
-        return ports
-    paced = {port for _, port in FORCE_PORTS}
-    return tuple(pair for pair in ports if pair[1] not in paced) + FORCE_PORTS
-
-
-def log_name(system: str, port: str) -> str:
-    """Returns the name of the sink that logs a port."""
-    return f"log_{system}_{port}"
 
 
 def build_perception(scenario: Scenario) -> Diagram:
@@ -140,7 +95,7 @@ def build_reproduction(
     _close_loop(
         builder, scene, perception, control, body_rim=scenario.perception.body_rim
     )
-    _add_logs(builder, scene, {**perception, **control})
+    add_logs(builder, scene, {**perception, **control})
     add_faults(builder, scenario.faults, period=1.0 / scenario.perception.camera_rate)
     if write_frame is not None:
         if camera is None:
@@ -355,15 +310,3 @@ def _close_loop(
     builder.Connect(scene.contact_results, felt.GetInputPort("contact_results"))
     connect(builder, control["nozzle_kinematics"], "nozzle_pose", [felt])
     connect(builder, felt, "contact_wrench", [control["force_sensor"]])
-
-
-def _add_logs(builder: DiagramBuilder, scene: Scene, systems: dict[str, Any]) -> None:
-    everything = {
-        **systems,
-        "plant": scene.plant,
-        "patient_motion": scene.patient_motion,
-    }
-    for system, port in logged_ports(systems):
-        source: System = everything[system]
-        sink = LogVectorOutput(source.GetOutputPort(port), builder, _LOG_PERIOD_S)
-        sink.set_name(log_name(system, port))

@@ -21,7 +21,7 @@ def fault_checks(
     entries = metrics["restricted_entries"]
     return {
         **reaction_checks(expected, metrics["reaction"]),
-        "restricted_entries": {"value": entries, "limit": 0, "pass": entries == 0},
+        "restricted_entries": _check(entries, 0, entries == 0),
     }
 
 
@@ -35,77 +35,49 @@ def limit_checks(metrics: dict[str, Any], limits: Limits) -> dict[str, dict[str,
     Returns:
         By name: `value`, `limit` and whether it did `pass`.
     """
-    bounded = {
-        "frechet_learned": (metrics["frechet"]["learned"], limits.frechet_learned),
-        "frechet_executed": (metrics["frechet"]["executed"], limits.frechet_executed),
-        "surface_error_mean_mm": (
-            metrics["surface_error_mm"]["mean"],
-            limits.surface_error_mean_mm,
-        ),
-        "surface_error_max_mm": (
-            metrics["surface_error_mm"]["max"],
-            limits.surface_error_max_mm,
-        ),
-        "normal_error_mean_deg": (
-            metrics["normal_error_deg"]["mean"],
-            limits.normal_error_mean_deg,
-        ),
-        "restricted_entries": (
-            metrics["restricted_entries"],
-            limits.restricted_entries,
-        ),
-        "wound_wetted_cm2": (
-            metrics["washing"]["wound_wetted_cm2"],
-            limits.wound_wetted_cm2,
-        ),
-        "washed_off_the_body": (metrics["washed_off_the_body"], 0),
-        "moved_unproved": (metrics["certificate"]["samples_moved_unproved"], 0),
+    most = {
+        "frechet_learned": metrics["frechet"]["learned"],
+        "frechet_executed": metrics["frechet"]["executed"],
+        "surface_error_mean_mm": metrics["surface_error_mm"]["mean"],
+        "surface_error_max_mm": metrics["surface_error_mm"]["max"],
+        "normal_error_mean_deg": metrics["normal_error_deg"]["mean"],
+        "restricted_entries": metrics["restricted_entries"],
+        "wound_wetted_cm2": metrics["washing"]["wound_wetted_cm2"],
     }
-    checks: dict[str, dict[str, Any]] = {
-        "reached_goal": {
-            "value": metrics["reached_goal"],
-            "limit": True,
-            "pass": metrics["reached_goal"],
-        },
-        "certificate": {
-            "value": metrics["certificate"]["verdict"],
-            "limit": "proved",
-            "pass": metrics["certificate"]["verdict"] == "proved",
-        },
-    }
+    least = {"coverage": metrics["coverage"]}
     force = metrics.get("force")
     if force is not None:
-        bounded |= {
-            "force_mean_error": (force["mean_error"], limits.force_mean_error),
-            "force_peak": (force["peak"], limits.force_peak),
-            "approach_speed_m_per_s": (
-                force["approach_speed_m_per_s"],
-                limits.approach_speed_m_per_s,
-            ),
-            "skin_speed_m_per_s": (
-                metrics["speed_m_per_s"]["max"],
-                limits.skin_speed_m_per_s,
-            ),
-            "touched_skin_mean_mm": (
-                metrics["touched_skin_mm"]["mean"],
-                limits.touched_skin_mean_mm,
-            ),
+        most |= {
+            "force_mean_error": force["mean_error"],
+            "force_peak": force["peak"],
+            "approach_speed_m_per_s": force["approach_speed_m_per_s"],
+            "skin_speed_m_per_s": metrics["speed_m_per_s"]["max"],
+            "touched_skin_mean_mm": metrics["touched_skin_mm"]["mean"],
         }
-        for name in ("within_2_n", "contact_share"):
-            least = getattr(limits, f"force_{name}")
-            if least is not None:
-                passed = force[name] is not None and bool(force[name] >= least)
-                checks[f"force_{name}"] = {
-                    "value": force[name],
-                    "limit": least,
-                    "pass": passed,
-                }
-    for name, (value, limit) in bounded.items():
+        least |= {
+            "force_within_2_n": force["within_2_n"],
+            "force_contact_share": force["contact_share"],
+        }
+    verdict = metrics["certificate"]["verdict"]
+    unproved = metrics["certificate"]["samples_moved_unproved"]
+    checks = {
+        "reached_goal": _check(metrics["reached_goal"], True, metrics["reached_goal"]),
+        "certificate": _check(verdict, "proved", verdict == "proved"),
+    }
+    for name, value in (least | most).items():
+        limit = getattr(limits, name)
         if limit is not None:
-            passed = value is not None and bool(value <= limit)
-            checks[name] = {"value": value, "limit": limit, "pass": passed}
-    if limits.coverage is not None:
-        share = metrics["coverage"]
-        passed = share is not None and bool(share >= limits.coverage)
-        checks["coverage"] = {"value": share, "limit": limits.coverage, "pass": passed}
+            kept = value is not None and (
+                value >= limit if name in least else value <= limit
+            )
+            checks[name] = _check(value, limit, kept)
+    for name, count in (
+        ("washed_off_the_body", metrics["washed_off_the_body"]),
+        ("moved_unproved", unproved),
+    ):
+        checks[name] = _check(count, 0, count == 0)
     return checks
+
+
+def _check(value: Any, limit: Any, passed: Any) -> dict[str, Any]:
+    return {"value": value, "limit": limit, "pass": bool(passed)}

@@ -7,12 +7,13 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.config import map_follower, segmentation
 from bath_drake.perception.neural_segmenter import NeuralSegmenter
 from bath_drake.perception.onnx_segmenter import OnnxSegmenter
 from bath_drake.perception.segmenter import ClassicSegmenter, Segmenter
 from bath_drake.perception.self_filter import RobotGeometry
 from bath_drake.resources import models_folder
-from bath_drake.scenario import Scenario, map_follower, segmentation
+from bath_drake.scenario import Scenario
 from bath_drake.systems.body_monitor import BodyMonitor
 from bath_drake.systems.body_segmenter import BodySegmenter
 from bath_drake.systems.canonical_projector import CanonicalProjector
@@ -55,12 +56,12 @@ def add_perception(
                 camera=camera,
                 X_WC=X_WC,
                 robot=robot,
-                config=segmentation(scenario),
+                config=segmentation(scenario.perception),
                 period=period,
                 segmenter=make_segmenter(scenario),
             ),
             "canonical_projector": CanonicalProjector(
-                period=period, follower=map_follower(scenario)
+                period=period, follower=map_follower(scenario.perception)
             ),
             "restricted_area_detector": RestrictedAreaDetector(
                 margin=scenario.perception.area_margin,
@@ -81,8 +82,8 @@ def add_perception(
                 "body_monitor": BodyMonitor(
                     camera=camera,
                     X_WC=X_WC,
-                    low_W=segmentation(scenario).box_low_W,
-                    high_W=segmentation(scenario).box_high_W,
+                    low_W=segmentation(scenario.perception).box_low_W,
+                    high_W=segmentation(scenario.perception).box_high_W,
                     period=period,
                 ),
             },
@@ -134,7 +135,7 @@ def make_segmenter(scenario: Scenario) -> Segmenter:
     Raises:
         SegmenterError: If its network cannot be used.
     """
-    perception, config = scenario.perception, segmentation(scenario)
+    perception, config = scenario.perception, segmentation(scenario.perception)
     if perception.segmenter == "classic":
         return ClassicSegmenter(config)
     if perception.segmenter.endswith(".onnx"):

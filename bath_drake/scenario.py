@@ -1,21 +1,22 @@
 """Scenario files: every choice of one closed-loop run, and what it is judged by."""
 
+import contextlib
 import math
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import ClassVar
 
-import numpy as np
-
+from bath_drake.composition.stroke_config import (
+    LanesConfig,
+    StrokeConfig,
+    check_strokes,
+)
 from bath_drake.control.approach import ApproachLimits
 from bath_drake.control.force_regulation import ForceLimits
 from bath_drake.errors import ScenarioError
 from bath_drake.faults.expectation import Expectation, check_expectation
 from bath_drake.faults.script import FaultScript, check_script
-from bath_drake.perception.given_areas import check_polygon
-from bath_drake.perception.map_follower import MAP_FOLLOWERS, MapFollower
-from bath_drake.perception.onnx_segmenter import MASKS
-from bath_drake.perception.segmentation import SegmentationConfig
+from bath_drake.perception.config import PerceptionConfig, check_perception
 from bath_drake.resources import diagrams_folder, models_folder
 from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
@@ -24,32 +25,6 @@ from bath_drake.schema import fill
 from bath_drake.washing.config import WashingConfig, check_washing
 from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import dump_yaml, read_yaml
-
-
-@dataclass(kw_only=True)
-class PerceptionConfig:
-    """What is made of the images; `perception: ideal` is short for that source."""
-
-    SHORTHAND: ClassVar[str] = "source"
-
-    # camera: images are rendered and looked at. ideal: the true back, in their stead.
-    source: str = "camera"
-    camera_rate: float = 30.0  # Hz
-    # m, W: where a person's back may be; the Cartesian filter.
-    workspace_low: list[float] = field(default_factory=lambda: [0.4, -0.6, 0.4])
-    workspace_high: list[float] = field(default_factory=lambda: [1.2, 0.6, 1.6])
-    # What tells skin from the rest: classic (colour), neural (colour, on a person),
-    # neural_any_light (on a person), or the path of an .onnx file.
-    segmenter: str = "classic"
-    onnx_mask: str = "skin"  # what such a file's mask is of: skin, or a whole person
-    # tracked: carried along with the skin; affine: the box around each frame's mask.
-    canonical_map: str = "tracked"
-    body_rim: bool = True  # whether the seen back's rim bounds the field
-    patch_radius: float = 0.03  # m, of the quadric fit
-    # m, added around a restricted area: the jet's radius and the loop's error.
-    area_margin: float = 0.02
-    # Polygons of canonical corners [x, y] that the carer wants kept off.
-    restricted_areas: list[list[list[float]]] = field(default_factory=list)
 
 
 @dataclass(kw_only=True)
@@ -66,24 +41,6 @@ class ControlConfig:
     min_clearance: float = 0.02  # m, nozzle tip off the seen skin
     force: float = 4.0  # N, along the normal, at most 5; where skin can be touched
     goal_tolerance: float = 0.02  # canonical
-
-
-@dataclass(kw_only=True)
-class StrokeConfig:
-    """One of several strokes that are washed in turn."""
-
-    start: list[float] = field(default_factory=lambda: [-0.6, 0.0])  # canonical
-    goal: list[float] = field(default_factory=lambda: [0.6, 0.0])  # canonical
-    skill: str | None = None  # a path or a name as the scenario's; null: the scenario's
-
-
-@dataclass(kw_only=True)
-class LanesConfig:
-    """Strokes to and fro across a box of canonical space, from below upwards."""
-
-    low: list[float] = field(default_factory=lambda: [-0.6, -0.5])
-    high: list[float] = field(default_factory=lambda: [0.6, 0.5])
-    spacing: float = 0.17  # canonical, at most
 
 
 @dataclass(kw_only=True)
@@ -134,16 +91,8 @@ class Scenario:
     expect: Expectation | None = None
 
 
-SOURCES = ("camera", "ideal")
-SEGMENTERS = ("classic", "neural", "neural_any_light")
-
 # Careful bounds near people: nobody asks for more by mistake.
 _RANGES: dict[str, dict[str, tuple[float, float]]] = {
-    "perception": {
-        "camera_rate": (1.0, 60.0),
-        "patch_radius": (0.005, 0.1),
-        "area_margin": (0.0, 0.2),
-    },
     "control": {
         "washing_speed": (1e-3, 0.10),
         "slow_radius": (1e-3, 1.0),
@@ -158,8 +107,6 @@ _RANGES: dict[str, dict[str, tuple[float, float]]] = {
     },
 }
 _LONGEST_RUN_S = 3600.0
-# Canonical: of a stroke, and between two lanes.
-_SHORTEST_STROKE, _LEAST_SPACING = 0.05, 0.05
 
 
 def _check_range(key: str, value: float, low: float, high: float) -> None:
@@ -182,71 +129,47 @@ def check_scenario(scenario: Scenario) -> None:
             f"allowed less than control.standoff ({scenario.control.standoff})"
         )
     approach_limits(scenario)
-    map_follower(scenario)
-    _check_source(scenario)
-    _check_segmenter(scenario)
-    for k, corners in enumerate(scenario.perception.restricted_areas):
-        try:
-            check_polygon(corners)
-        except ValueError as error:
-            raise ValueError(
-                f"perception.restricted_areas: polygon {k + 1}: {error}"
-            ) from error
-    try:
-        segmentation(scenario)
-    except ValueError as error:
-        raise ValueError(f"perception.workspace: {error}") from error
+    _check_sight(scenario)
     for key, value in vars(scenario.limits).items():
         if value is not None and not value >= 0:
             raise ValueError(f"limits.{key}: found {value}, allowed 0 and up, or null")
-    _check_strokes(scenario)
+    check_strokes(scenario.strokes, scenario.lanes)
     if scenario.limits.coverage is not None:
         _check_range("limits.coverage", scenario.limits.coverage, 0.0, 1.0)
-    try:
+    with _named("perception."):
+        check_perception(scenario.perception)
+    with _named("washing."):
         check_washing(scenario.washing)
-    except ValueError as error:
-        raise ValueError(f"washing.{error}") from error
-    try:
+    with _named("faults."):
         check_script(scenario.faults)
-    except ValueError as error:
-        raise ValueError(f"faults.{error}") from error
     if scenario.expect is not None:
-        try:
+        with _named("expect."):
             check_expectation(scenario.expect)
-        except ValueError as error:
-            raise ValueError(f"expect.{error}") from error
-    try:
+    with _named("scene: "):
         check_scene(scenario.scene)
+
+
+@contextlib.contextmanager
+def _named(block: str) -> Iterator[None]:
+    """Puts the block's name before what its own check raises."""
+    try:
+        yield
     except ValueError as error:
-        raise ValueError(f"scene: {error}") from error
+        raise ValueError(f"{block}{error}") from error
 
 
-def _check_strokes(scenario: Scenario) -> None:
-    for k, stroke in enumerate(scenario.strokes):
-        for key in ("start", "goal"):
-            _check_corner(f"strokes[{k}].{key}", getattr(stroke, key))
-        if math.dist(stroke.start, stroke.goal) < _SHORTEST_STROKE:
-            raise ValueError(
-                f"strokes[{k}].goal: found {stroke.goal}, allowed {_SHORTEST_STROKE} or"
-                f" more from the start"
-            )
-    lanes = scenario.lanes
-    if lanes is None:
+def _check_sight(scenario: Scenario) -> None:
+    """Where nothing is filmed, nothing that needs a camera can be asked for."""
+    if scenario.perception.source != "ideal":
         return
-    if scenario.strokes:
-        raise ValueError("lanes: found beside strokes, allowed one of the two")
-    _check_corner("lanes.low", lanes.low)
-    _check_corner("lanes.high", lanes.high)
-    _check_range("lanes.spacing", lanes.spacing, _LEAST_SPACING, 1.0)
-    if not all(a < b for a, b in zip(lanes.low, lanes.high, strict=True)):
-        raise ValueError(
-            f"lanes.high: found {lanes.high}, allowed more than lanes.low {lanes.low}"
-        )
-
-
-def _check_corner(key: str, point: list[float]) -> None:
-    if len(point) != 2 or not all(-1.0 <= value <= 1.0 for value in point):
-        raise ValueError(f"{key}: found {point}, allowed two numbers of -1 to 1")
+    for key, there in (
+        ("scene.carer", scenario.scene.carer is not None),
+        ("scene.camera.faults", scenario.scene.camera.faults.any),
+    ):
+        if there:
+            raise ValueError(
+                f"perception.source: found 'ideal', allowed camera where there is {key}"
+            )
 
 
 def approach_limits(scenario: Scenario) -> ApproachLimits:
@@ -262,58 +185,6 @@ def approach_limits(scenario: Scenario) -> ApproachLimits:
 def force_limits(scenario: Scenario) -> ForceLimits:
     """Returns how the force is regulated where skin can be touched."""
     return ForceLimits(force=scenario.control.force)
-
-
-def segmentation(scenario: Scenario) -> SegmentationConfig:
-    """Returns the segmenter's settings; ValueError if the workspace is empty."""
-    return SegmentationConfig(
-        box_low_W=np.array(scenario.perception.workspace_low),
-        box_high_W=np.array(scenario.perception.workspace_high),
-    )
-
-
-def _check_source(scenario: Scenario) -> None:
-    found = scenario.perception.source
-    if found not in SOURCES:
-        raise ValueError(
-            f"perception.source: found {found[:60]!r}, allowed {', '.join(SOURCES)}"
-        )
-    if found == "ideal":
-        for key, there in (
-            ("scene.carer", scenario.scene.carer is not None),
-            ("scene.camera.faults", scenario.scene.camera.faults.any),
-        ):
-            if there:
-                raise ValueError(
-                    f"perception.source: found 'ideal', allowed camera where there is"
-                    f" {key}"
-                )
-
-
-def _check_segmenter(scenario: Scenario) -> None:
-    perception = scenario.perception
-    known = perception.segmenter in SEGMENTERS
-    if not (known or perception.segmenter.endswith(".onnx")):
-        raise ValueError(
-            f"perception.segmenter: found {perception.segmenter[:60]!r}, "
-            f"allowed {', '.join(SEGMENTERS)}, or a file that ends in .onnx"
-        )
-    if perception.onnx_mask not in MASKS:
-        raise ValueError(
-            f"perception.onnx_mask: found {perception.onnx_mask[:60]!r}, "
-            f"allowed {', '.join(MASKS)}"
-        )
-
-
-def map_follower(scenario: Scenario) -> MapFollower:
-    """Returns how the canonical map is found; ValueError if there is no such way."""
-    found = scenario.perception.canonical_map
-    if found not in MAP_FOLLOWERS:
-        raise ValueError(
-            f"perception.canonical_map: found {found!r}, "
-            f"allowed {', '.join(MAP_FOLLOWERS)}"
-        )
-    return MAP_FOLLOWERS[found]()
 
 
 def loop_bounds(scenario: Scenario) -> LoopBounds:

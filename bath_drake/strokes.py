@@ -10,11 +10,12 @@ from bath_drake.composition.branch import Branch
 from bath_drake.composition.certify import certify_chain
 from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout
+from bath_drake.composition.stroke_config import StrokeConfig
 from bath_drake.composition.strokes import carried, lanes, strung
 from bath_drake.errors import ScenarioError
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray
-from bath_drake.scenario import Scenario, StrokeConfig, find_skill
+from bath_drake.scenario import Scenario, find_skill
 from bath_drake.skill_file import certified, load_skill
 
 _STROKES = "strokes"

@@ -46,6 +46,7 @@ ORDER = (
     ("strokes",),
     (
         "control_diagram",
+        "log_diagram",
         "canonical_diagram",
         "perception_diagram",
         "fault_diagram",

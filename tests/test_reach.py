@@ -4,10 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
-from pydrake.common.value import Value
+from pose_source import PoseSource
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder, LeafSystem
+from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
 from bath_drake.control_diagram import PLANNED_MARGIN
@@ -37,24 +37,6 @@ STROKES = {
 # s, when the person is twisted and leans.
 TIME = 5.0
 TIGHT = ("m_heavy", "from the right")
-
-
-class Poses(LeafSystem):
-    """Poses of the nozzle, one every step."""
-
-    def __init__(self, poses):
-        super().__init__()
-        self._poses = poses
-        self.DeclareAbstractOutputPort(
-            "desired_nozzle_pose",
-            lambda: Value(RigidTransform()),
-            lambda context, out: out.set_value(self._at(context.get_time())),
-            {self.time_ticket()},
-        )
-        self.DeclareVectorOutputPort("hold", 1, lambda context, out: None)
-
-    def _at(self, t):
-        return self._poses[min(round(t / STEP), len(self._poses) - 1)]
 
 
 def between(ends, speed=SPEED):
@@ -107,7 +89,7 @@ def check(name, stroke):
     home = plant.GetFrameByName(NOZZLE_FRAME).CalcPoseInWorld(context)
     wanted = poses(person, STROKES[stroke], TIME, home)
     builder = DiagramBuilder()
-    source = builder.AddSystem(Poses(wanted))
+    source = builder.AddSystem(PoseSource(wanted, STEP))
     ik = builder.AddSystem(
         DifferentialIk(
             plant=plant,

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from bath_drake.composition.chain import Chain
+from bath_drake.composition.stroke_config import LanesConfig, StrokeConfig
 from bath_drake.errors import ScenarioError
-from bath_drake.scenario import LanesConfig, Scenario, StrokeConfig, load_scenario
+from bath_drake.scenario import Scenario, load_scenario
 from bath_drake.skill_file import load_skill, save_skill
 from bath_drake.strokes import (
     is_strung,

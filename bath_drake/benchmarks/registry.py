@@ -19,6 +19,7 @@ NAMES = (
     "faults",
     "touch",
     "loop",
+    "washing",
     "soak",
 )
 
@@ -103,6 +104,12 @@ def _touch(settings: Settings, progress: Progress) -> list[Figure]:
     return run(progress)
 
 
+def _washing(settings: Settings, progress: Progress) -> Report:
+    from bath_drake.benchmarks.washing import run
+
+    return run(progress)
+
+
 def _soak(settings: Settings, progress: Progress) -> Report:
     from bath_drake.benchmarks.soak import run
 
@@ -122,6 +129,7 @@ BENCHMARKS = {
     "faults": Benchmark(_faults),
     "loop": Benchmark(_loop),
     "touch": Benchmark(_touch),
+    "washing": Benchmark(_washing),
     "soak": Benchmark(_soak, frozenset({"hours", "data"})),
 }
 

@@ -19,8 +19,8 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.errors import ScenarioError
     from bath_drake.files import check_output, write_atomically
     from bath_drake.recording_diagram import build_recording
-    from bath_drake.scenario import find_scenario, find_skill, load_scenario
-    from bath_drake.skill_file import load_skill
+    from bath_drake.scenario import find_scenario, load_scenario
+    from bath_drake.strokes import scenario_skill
 
     source = find_scenario(options.scenario)
     path = options.out or Path(f"{source.stem}.svg")
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
     if scenario.scene.carer is not None:
         diagram = build_recording(scenario).diagram
     else:
-        diagram = build_reproduction(scenario, load_skill(find_skill(scenario.skill)))
+        diagram = build_reproduction(scenario, scenario_skill(scenario))
     write_atomically(path, draw_block_diagram(diagram), error=ScenarioError)
     print(path)
     return 0

@@ -3,19 +3,13 @@
 import argparse
 from pathlib import Path
 
+from bath_drake.commands._scenario import add_scenario_arguments, chosen_scenario
 from bath_drake.errors import ScenarioError
-from bath_drake.patient.people import shipped_people
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Takes the scenario, what may stand in for its choices, and a folder."""
-    parser.add_argument("scenario", metavar="SCENARIO.yaml")
-    parser.add_argument("--skill", metavar="SKILL.yaml", help="instead of its own")
-    parser.add_argument(
-        "--person",
-        metavar="DIR",
-        help=f"a folder or a shipped name: {', '.join(shipped_people())}",
-    )
+    add_scenario_arguments(parser)
     parser.add_argument(
         "--search", action="store_true", help="look for a better place of the base"
     )
@@ -32,15 +26,12 @@ def run(options: argparse.Namespace) -> int:
     from bath_drake.reach.precheck import reachability
     from bath_drake.report.reach_figures import write_reachability
     from bath_drake.run_folder import make_run_folder
-    from bath_drake.scenario import find_scenario, find_skill, load_scenario
-    from bath_drake.skill_file import load_skill
+    from bath_drake.strokes import scenario_skill
 
-    scenario = load_scenario(find_scenario(options.scenario))
-    if options.person is not None:
-        scenario.scene.person = options.person
+    scenario = chosen_scenario(options)
     if scenario.scene.carer is not None:
         raise ScenarioError(f"{options.scenario}: a carer washes here, no robot")
-    skill = load_skill(find_skill(options.skill or scenario.skill))
+    skill = scenario_skill(scenario, options.skill)
     if options.out is not None:
         make_run_folder(options.out)
     found = reachability(

@@ -3,19 +3,13 @@
 import argparse
 from pathlib import Path
 
+from bath_drake.commands._scenario import add_scenario_arguments, chosen_scenario
 from bath_drake.errors import ScenarioError
-from bath_drake.patient.people import shipped_people
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the scenario and what may stand in for its choices."""
-    parser.add_argument("scenario", metavar="SCENARIO.yaml")
-    parser.add_argument("--skill", metavar="SKILL.yaml", help="instead of its own")
-    parser.add_argument(
-        "--person",
-        metavar="DIR",
-        help=f"a folder or a shipped name: {', '.join(shipped_people())}",
-    )
+    add_scenario_arguments(parser)
     parser.add_argument("--seconds", type=float, metavar="S", help="longest run")
     parser.add_argument("--meshcat", action="store_true", help="show it live")
     parser.add_argument(
@@ -27,29 +21,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Returns 0 if the verification passes, 1 if not; 0 if a carer was filmed."""
     from bath_drake.commands._options import record_and_report, run_and_report
-    from bath_drake.patient.people import find_person, load_person
-    from bath_drake.scenario import check_scenario, find_scenario, load_scenario
+    from bath_drake.scenario import check_scenario, find_scenario
     from bath_drake.strokes import scenario_skill
 
-    path = find_scenario(options.scenario)
-    scenario = load_scenario(path)
-    if options.person is not None:
-        folder = find_person(options.person)
-        # A path must mean the same when the report reads the run's folder.
-        named = Path(options.person)
-        scenario.scene.person = str(folder.resolve() if named.is_dir() else named)
+    scenario = chosen_scenario(options)
     if options.seconds is not None:
         scenario.duration = options.seconds
         try:
             check_scenario(scenario)
         except ValueError as error:
             raise ScenarioError(f"--seconds: {error}") from error
-    load_person(scenario.scene.person)
     if scenario.scene.carer is not None:
         _check_filming(options)
         return record_and_report(options.record, scenario)
     skill = scenario_skill(scenario, options.skill)
-    folder = options.out or Path("runs") / path.stem
+    folder = options.out or Path("runs") / find_scenario(options.scenario).stem
     return run_and_report(folder, scenario, skill, options.meshcat, options.record)
 
 

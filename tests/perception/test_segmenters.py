@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bath_drake.errors import SegmenterError
+from bath_drake.perception.config import PerceptionConfig
 from bath_drake.perception.neural_segmenter import NeuralSegmenter
 from bath_drake.perception.onnx_segmenter import OnnxSegmenter
 from bath_drake.perception.pixels import points_in_world
@@ -15,7 +16,7 @@ from bath_drake.perception.segmentation import skin_mask
 from bath_drake.perception.segmenter import ClassicSegmenter, Picture
 from bath_drake.perception_diagram import make_segmenter
 from bath_drake.resources import models_folder
-from bath_drake.scenario import PerceptionConfig, Scenario
+from bath_drake.scenario import Scenario
 
 SHIPPED = models_folder() / "segmenters" / "selfie_segmentation.tflite"
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pydrake.common.value import Value
+from pose_source import PoseSource
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder, LeafSystem
+from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
 from bath_drake.reach.follow import Poses, follow, joined, way_to
@@ -34,30 +34,12 @@ def stroke(ends, seconds):
     )
 
 
-class _Source(LeafSystem):
-    """The poses as the loop's ports have them."""
-
-    def __init__(self, poses):
-        super().__init__()
-        self._poses = poses
-        self.DeclareAbstractOutputPort(
-            "desired_nozzle_pose",
-            lambda: Value(RigidTransform()),
-            lambda context, out: out.set_value(self._at(context.get_time())),
-            {self.time_ticket()},
-        )
-        self.DeclareVectorOutputPort("hold", 1, lambda context, out: None)
-
-    def _at(self, t):
-        k = min(round(t / STEP), len(self._poses) - 1)
-        R = RotationMatrix.MakeFromOneVector(self._poses.jets[k], 2)
-        return RigidTransform(R, self._poses.tips[k])
-
-
 def driven(poses):
     """Joint positions (n, 7) of the loop's own system, one every step."""
     builder = DiagramBuilder()
-    source = builder.AddSystem(_Source(poses))
+    turned = [RotationMatrix.MakeFromOneVector(jet, 2) for jet in poses.jets]
+    wanted = [RigidTransform(R, p) for R, p in zip(turned, poses.tips, strict=True)]
+    source = builder.AddSystem(PoseSource(wanted, STEP))
     ik = builder.AddSystem(
         DifferentialIk(
             plant=make_control_plant(CONFIG),

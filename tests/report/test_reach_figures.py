@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from bath_drake import cli
+from bath_drake.errors import ScenarioError
+from bath_drake.reach import precheck
 from bath_drake.reach.judge import Cause, Places
 from bath_drake.reach.over_back import grid
 from bath_drake.reach.placement import Placement, PlacementMap
@@ -13,6 +15,8 @@ from bath_drake.reach.precheck import Reachability
 from bath_drake.report import style
 from bath_drake.report.reach_figures import draw_placement, draw_reachability
 from bath_drake.safety.limits import GuardLimits
+from bath_drake.scenario import load_scenario
+from bath_drake.strokes import scenario_skill
 
 
 def places(p_N):
@@ -84,3 +88,19 @@ def test_the_verb_leaves_its_files_and_says_by_its_code_whether_all_is_reached(
 def test_where_a_carer_washes_there_is_nothing_to_reach(capsys):
     assert cli.main(["reach", "demonstration"]) == 2
     assert "a carer washes here" in capsys.readouterr().err
+
+
+def test_the_verb_judges_the_lanes_that_are_washed(monkeypatch, capsys):
+    seen = {}
+
+    def looked(scenario, skill, **choices):
+        seen["skill"] = skill
+        raise ScenarioError("seen")
+
+    monkeypatch.setattr(precheck, "reachability", looked)
+    assert cli.main(["reach", "coverage"]) == 2
+    assert "seen" in capsys.readouterr().err
+    assert len(seen["skill"].chain.fields) == len(
+        scenario_skill(load_scenario("coverage")).chain.fields
+    )
+    assert len(seen["skill"].chain.fields) > 6

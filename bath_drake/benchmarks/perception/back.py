@@ -24,12 +24,12 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.body_rim import share_within
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.config import PerceptionConfig, segmentation
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, FollowedMap, frame_map
 from bath_drake.perception.pixels import points_in_world
 from bath_drake.perception.segmentation import segment_back
 from bath_drake.perception.segmenter import ClassicSegmenter, Picture
 from bath_drake.perception.surface import fit_path
-from bath_drake.scenario import Scenario, segmentation
 
 # From the issue that asks for it.
 IOU_MEAN, IOU_WORST, SEGMENT_MS = 0.90, 0.80, 8.0
@@ -151,7 +151,7 @@ def _segment_seconds(film: Filmed, frame: Frame) -> float:
     R_WC = np.ascontiguousarray(camera.rotation())
     depth = frame.depth.astype(np.float64)
     points_W = points_in_world(depth, film.camera.rays, R_WC, np.array(camera.eye))
-    nobody, config = np.zeros(depth.shape, dtype=bool), segmentation(Scenario())
+    nobody, config = np.zeros(depth.shape, dtype=bool), segmentation(PerceptionConfig())
     begin = time.perf_counter()
     picture = Picture(frame.colour, depth, film.camera, points_W)
     segment_back(ClassicSegmenter(config).segment(picture), points_W, nobody, config)

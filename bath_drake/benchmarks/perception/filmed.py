@@ -19,10 +19,10 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.patient.washed_skin import triangles_around_back
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.config import PerceptionConfig, segmentation
 from bath_drake.perception.depth_noise import noisy_depth
 from bath_drake.perception.observation import observe_body
 from bath_drake.perception.segmenter import Segmenter
-from bath_drake.scenario import Scenario, segmentation
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import (
     PERSON_LABELS,
@@ -143,7 +143,7 @@ def observed(
         camera=film.camera,
         R_WC=film.scene.camera.rotation(),
         p_WC=np.array(film.scene.camera.eye),
-        config=segmentation(Scenario()),
+        config=segmentation(PerceptionConfig()),
         stamp=frame.t,
         previous=previous,
         segmenter=segmenter,
