@@ -82,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         level=logging.DEBUG if options.verbose else logging.WARNING,
         format="%(levelname)s %(name)s: %(message)s",
     )
-    for chatty in ("matplotlib", "numba", "PIL"):
+    for chatty in ("matplotlib", "numba", "PIL", "drake"):
         logging.getLogger(chatty).setLevel(logging.WARNING)
     try:
         return int(_command(options.verb).run(options))

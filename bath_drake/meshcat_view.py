@@ -304,14 +304,17 @@ def record_overlays(
 
 
 def look_at_the_back(meshcat: Meshcat, log: SimulationLog) -> None:
-    """Puts the viewer beside the robot, looking at the back; no grid, no axes."""
+    """Puts the viewer above the robot's free side, looking at the back; no grid.
+
+    The arm comes from the person's left and from above: from the right it hides least.
+    """
     washing = log.nozzle_pose[log.phase == Phase.WASH]
     nozzle = (washing if len(washing) else log.nozzle_pose)[:, 4:].mean(axis=0)
     back = nozzle - log.X_WC[:3, 3]
     level = np.array([back[0], back[1], 0.0])
     level /= np.linalg.norm(level)
     side = np.array([level[1], -level[0], 0.0])
-    eye = nozzle - 0.8 * level + 0.5 * side + np.array([0.0, 0.0, 0.25])
+    eye = nozzle - 0.6 * level + 0.8 * side + np.array([0.0, 0.0, 0.3])
     meshcat.SetCameraPose(eye, nozzle)
     for helper in ("/Grid", "/Axes"):
         meshcat.SetProperty(helper, "visible", False)

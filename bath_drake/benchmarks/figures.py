@@ -107,13 +107,14 @@ def table(figures: Sequence[Figure]) -> str:
 def row_table(rows: Sequence[Row]) -> str:
     """Aligned lines: the keys, then every row; text to the left, numbers to the right.
 
-    What is not a number (NaN) is left blank.
+    What is not a number (NaN), or what a row does not have, is left blank.
     """
     if not rows:
         return ""
-    cells = [[*rows[0]], *([_cell(value) for value in row.values()] for row in rows)]
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    cells = [keys, *([_cell(row.get(key, "")) for key in keys] for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    left = [isinstance(value, str) for value in rows[0].values()]
+    left = [isinstance(rows[0].get(key), str) for key in keys]
     lines = []
     for line in cells:
         parts = zip(line, widths, left, strict=True)

@@ -112,6 +112,15 @@ def frechet_rows(run: RunData) -> list[tuple[str, str]]:
     return rows
 
 
+# Keys that do not end in their unit.
+_TOLD = {
+    "force_mean_error": "force: mean error [N]",
+    "force_within_2_n": "force: share within 2 N",
+    "force_peak": "force: peak [N]",
+    "force_contact_share": "contact: share of the stroke",
+}
+
+
 def check_rows(checks: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
     """The verification's checks, one row each."""
     return [
@@ -127,7 +136,9 @@ def check_rows(checks: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def words(name: str) -> str:
     """A check's key as words: units in brackets."""
+    name = _TOLD.get(name, name)
     for end, unit in (
+        ("_m_per_s", "m/s"),
         ("_cm2", "cm²"),
         ("_mm", "mm"),
         ("_deg", "°"),

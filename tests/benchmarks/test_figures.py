@@ -2,7 +2,13 @@ import json
 
 import pytest
 
-from bath_drake.benchmarks.figures import Figure, all_passed, table, to_mapping
+from bath_drake.benchmarks.figures import (
+    Figure,
+    all_passed,
+    row_table,
+    table,
+    to_mapping,
+)
 
 FAST = Figure("proof_median", 4.25, "ms", 6.0)
 SLOW = Figure("proof_worst", 61.0, "ms", 50.0)
@@ -71,3 +77,9 @@ def test_what_is_not_a_number_is_null_in_json():
 def test_two_figures_of_one_name_are_a_bug():
     with pytest.raises(ValueError, match="two figures are called proof_median"):
         to_mapping([FAST, FAST])
+
+
+def test_rows_of_different_columns_are_one_table():
+    rows = [{"row": "first", "seconds": 1.0}, {"row": "second", "mm": 2.5}]
+    lines = [line.split() for line in row_table(rows).splitlines()]
+    assert lines == [["row", "seconds", "mm"], ["first", "1"], ["second", "2.5"]]
