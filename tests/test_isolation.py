@@ -216,7 +216,7 @@ class CheatingTracker(CanonicalTracker):
 
 
 def test_a_mis_wired_diagram_is_found(monkeypatch):
-    add_logs = diagrams._add_logs
+    add_logs = diagrams.add_logs
 
     def cheat(builder, scene, systems):
         builder.Connect(
@@ -226,7 +226,7 @@ def test_a_mis_wired_diagram_is_found(monkeypatch):
         add_logs(builder, scene, systems)
 
     monkeypatch.setattr(control_diagram, "CanonicalTracker", CheatingTracker)
-    monkeypatch.setattr(diagrams, "_add_logs", cheat)
+    monkeypatch.setattr(diagrams, "add_logs", cheat)
     scenario = load_scenario("reproduction")
     diagram = diagrams.build_reproduction(scenario, made_up_skill())
     found = leaks(connections(diagram), logs_of(diagram))
