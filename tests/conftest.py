@@ -19,8 +19,10 @@ settings.register_profile(
 settings.load_profile("bath_drake")
 
 
-def pytest_sessionstart():
-    drop_stale_caches()
+def pytest_sessionstart(session):
+    # Once for all processes, before the first of them is started.
+    if not hasattr(session.config, "workerinput"):
+        drop_stale_caches()
 
 
 @pytest.fixture
