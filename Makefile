@@ -3,6 +3,8 @@
 PYTHON ?= python3
 # What `make test` leaves out; `make test MARKERS=` runs everything.
 MARKERS ?= not slow and not exhaustive and not peers
+# On all cores, a file's tests in one process: they share what is expensive to set up.
+PYTEST := -m pytest -n auto --maxprocesses 8 --dist loadfile
 
 ifeq ($(PYTHON),python3)
 VENV := .venv
@@ -12,13 +14,17 @@ endif
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint setup lock people clean
+.PHONY: demo test test-slow lint setup lock people clean
 
 demo: $(READY)
 	$(BIN)/bath-drake demo
 
 test: lint
-	$(BIN)/python -m pytest -m "$(MARKERS)"
+	$(BIN)/python $(PYTEST) -m "$(MARKERS)"
+
+# Whole closed loops and real learning: some minutes more.
+test-slow: $(READY)
+	$(BIN)/python $(PYTEST) -m "slow and not exhaustive and not peers"
 
 lint: $(READY)
 	$(BIN)/ruff check .
