@@ -61,7 +61,7 @@ def seed_population(
         seeded = len(turns) if rng.random() < 0.75 else 0
         order = rng.permutation(len(turns))[:seeded][:count]
         at = rng.integers(2, len(curve) - 2, count)
-        sides = rng.choice([-1.0, 1.0], count)
+        sides = rng.choice(np.array([-1.0, 1.0]), count)
         for i, turn in enumerate(order):
             at[i] = turns[turn][0] + int(rng.normal(0.0, 0.02 * len(curve)))
             sides[i] = np.sign(turns[turn][1])
@@ -93,7 +93,7 @@ def grow(
     grown = np.empty((size, genome.GENES * count + 1))
     for n in range(size):
         at = rng.integers(2, len(curve) - 2, shape).ravel()
-        sides = rng.choice([-1.0, 1.0], len(at))
+        sides = rng.choice(np.array([-1.0, 1.0]), len(at))
         choice = beside(at, sides, problem, rng).reshape(*shape, genome.GENES)
         rows, kappa = matcher.complete(kept, count, choice)
         grown[n] = np.append(rows.ravel(), np.log(kappa))

@@ -317,7 +317,7 @@ def _with_small_holes(
     _, labels, stats, _ = cv2.connectedComponentsWithStats(
         holes.view(np.uint8), connectivity=4
     )
-    on_surface = np.bincount(labels[solid], minlength=len(stats))
+    on_surface = np.bincount(labels[solid].astype(np.intp), minlength=len(stats))
     sizes = stats[:, cv2.CC_STAT_AREA]
     # A gap between arm and flank shows the room behind: no solid surface there.
     keep = (sizes <= max_pixels) & (on_surface >= 0.9 * sizes)

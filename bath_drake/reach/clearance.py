@@ -10,6 +10,7 @@ from bath_drake.safety.arm_chain import NOZZLE
 from bath_drake.safety.self_distance import capsule_ends
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import true_person_pose
+from bath_drake.systems._ports import drake_vector
 
 # Of the mesh's vertices one in so many is looked at: 1 to 2 cm apart.
 _EVERY = 8
@@ -20,7 +21,7 @@ _PEDESTAL_RADIUS = 0.17
 def body_points(scene: SceneConfig, person: Person) -> FloatArray:
     """Returns places (n, 3) in W all over the person at rest, m."""
     X_WM = true_person_pose(scene, person, 0.0)
-    points = np.array(X_WM.multiply(person.vertices[::_EVERY].T)).T
+    points = np.array(X_WM.multiply(drake_vector(person.vertices[::_EVERY].T))).T
     return np.ascontiguousarray(points)
 
 

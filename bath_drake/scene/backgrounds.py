@@ -27,6 +27,7 @@ from bath_drake.scene.room import (
     add_stool,
     coloured,
 )
+from bath_drake.systems._ports import drake_vector
 from bath_drake.systems._poses import at
 
 # Labels of what stands about and of the second person in the label image.
@@ -129,7 +130,12 @@ def _add_second_person(
     x, y, z = config.person_position
     place = [x + _BESIDE[0], y + _BESIDE[1], z]
     X_WM = at(place, RotationMatrix.MakeZRotation(config.person_yaw))
-    add_stool(scene_graph, source, X_WM.multiply(person.seat), name="second_stool")
+    add_stool(
+        scene_graph,
+        source,
+        X_WM.multiply(drake_vector(person.seat)),
+        name="second_stool",
+    )
     for part in PARTS:
         path = person.part_path(part, for_camera=True)
         instance = GeometryInstance(X_WM, Mesh(path), f"second_{part}")

@@ -20,6 +20,7 @@ from bath_drake.patient.skin import TrueSkin
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.room import coloured, obj_mesh
 from bath_drake.scene.studio import Studio, true_person_pose
+from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.carer_motion import CarerMotion
 
 # Labels of the marker and of the carer in the label image.
@@ -47,7 +48,7 @@ def carer_arm(config: SceneConfig, skin: TrueSkin, path: SkinPath) -> CarerArm:
     return CarerArm(
         path=path,
         marker_radius=carer.marker_radius,
-        middle_W=np.array(X_WM.multiply(skin.canonical_map.p_WP)),
+        middle_W=np.array(X_WM.multiply(drake_vector(skin.canonical_map.p_WP))),
         aside_W=level / np.linalg.norm(level),
         outward_W=outward,
         swing=carer.swing,

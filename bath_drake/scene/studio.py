@@ -46,6 +46,7 @@ from bath_drake.scene.room import (
     obj_mesh,
 )
 from bath_drake.scene.visitor import add_visitor
+from bath_drake.systems._ports import drake_vector
 from bath_drake.systems._poses import at, rotation_from
 from bath_drake.systems.patient_motion import PatientMotion
 
@@ -118,7 +119,7 @@ def add_studio(
     add_room(scene_graph, room, room_colours(config.background))
     add_background(scene_graph, room, config)
     X_WM = true_person_pose(config, person, 0.0)
-    add_stool(scene_graph, room, X_WM.multiply(person.seat))
+    add_stool(scene_graph, room, X_WM.multiply(drake_vector(person.seat)))
     add_camera_stand(scene_graph, room, config.camera)
     source = scene_graph.RegisterSource("person")
     frame = scene_graph.RegisterFrame(source, GeometryFrame("person"))

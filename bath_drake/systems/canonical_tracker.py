@@ -5,7 +5,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.systems._ports import eval_value, eval_vector, set_vector
+from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 
 
 class CanonicalTracker(LeafSystem):
@@ -44,5 +44,5 @@ class CanonicalTracker(LeafSystem):
     def _calc_position(self, context: Context, output: BasicVector) -> None:
         X_WE = eval_value(self._X_WE, context, RigidTransform)
         canonical_map = eval_value(self._map, context, CanonicalMap)
-        p_EQ = [0.0, 0.0, eval_vector(self._standoff, context)[0]]
+        p_EQ = drake_vector([0.0, 0.0, eval_vector(self._standoff, context)[0]])
         set_vector(output, canonical_map.canonical_from_world(X_WE.multiply(p_EQ)))

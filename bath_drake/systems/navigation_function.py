@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.symbolic import Expression
-from pydrake.systems.framework import (
+from pydrake.systems.framework import (  # type: ignore[attr-defined] # new stubs
     BasicVector_,
     LeafSystem_,
     NumericParameterIndex,

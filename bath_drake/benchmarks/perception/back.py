@@ -105,8 +105,9 @@ def measure(film: Filmed, times: FloatArray, period: float) -> Measured:
         begin = time.perf_counter()
         previous = observed(film, frame, previous)
         found.seconds.append(time.perf_counter() - begin)
-        both = (previous.mask & frame.back).sum()
-        found.iou.append(float(both / max((previous.mask | frame.back).sum(), 1)))
+        both = int((previous.mask & frame.back).sum())
+        either = int((previous.mask | frame.back).sum())
+        found.iou.append(both / max(either, 1))
         if not previous.found:
             continue
         corners, weights = places

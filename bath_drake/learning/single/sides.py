@@ -72,7 +72,7 @@ class Tree:
         curve = self._problem.strokes.mean
         first = min(int(begin * len(curve)), len(curve) - 8)
         at = rng.integers(max(first, 2), len(curve) - 2, self._pool)
-        sides = rng.choice([-1.0, 1.0], self._pool)
+        sides = rng.choice(np.array([-1.0, 1.0]), self._pool)
         choice = beside(at, sides, self._problem, rng)
         there = places(curve, choice[:, :2])
         grown = []
