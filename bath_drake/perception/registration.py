@@ -68,10 +68,21 @@ class BodyPose:
 
 def _bent_by(p_B: FloatArray, curvature: FloatArray) -> FloatArray:
     """Returns how far (n, 3), m, the curvature moves points, to first order."""
-    y = p_B[:, 1]
-    section = np.column_stack([p_B[:, 0], np.zeros(len(y)), p_B[:, 2]])
-    turned = np.cross(np.outer(y, curvature), section)
-    return turned + np.outer(0.5 * y * y, np.cross(curvature, [0.0, 1.0, 0.0]))
+    return _bend(np.ascontiguousarray(p_B), np.ascontiguousarray(curvature))
+
+
+@njit(cache=True)
+def _bend(p_B: FloatArray, curvature: FloatArray) -> FloatArray:
+    """Y k x (x, 0, z) + y^2 / 2 k x e_y of each point."""
+    kx, ky, kz = curvature
+    moved = np.empty(p_B.shape)
+    for i in range(len(p_B)):
+        x, y, z = p_B[i]
+        half = 0.5 * y * y
+        moved[i, 0] = y * ky * z - half * kz
+        moved[i, 1] = y * kz * x - y * kx * z
+        moved[i, 2] = half * kx - y * ky * x
+    return moved
 
 
 def register(

@@ -133,7 +133,7 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
     crimson = cv2.inRange(
         hsv, np.array([180 - limit // 2, low_s, low_v]), np.array([180, 255, 255])
     )
-    return np.asarray((orange > 0) | (crimson > 0))
+    return np.asarray(cv2.bitwise_or(orange, crimson) > 0)
 
 
 def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bath_drake.safety._joint_steps import stoppable
 from bath_drake.safety.joint_command import (
     Emitted,
     JointRange,
@@ -10,7 +11,6 @@ from bath_drake.safety.joint_command import (
     check_joint_command,
     condition_number,
     retreat_step,
-    stoppable_speed,
 )
 from bath_drake.safety.limits import GuardLimits
 from bath_drake.safety.reasons import Reason
@@ -146,7 +146,7 @@ def test_braking_ends_at_rest_within_the_way_it_is_said_to_take():
 
 def test_from_the_stoppable_speed_a_step_and_the_brake_take_the_whole_way():
     way = np.array([0.0, 1e-6, 0.01, 1.0])
-    v = stoppable_speed(way, np.full(4, 10.0), DT)
+    v = np.array([stoppable(w, 10.0, DT) for w in way])
     # The root of a sum less a part of it: 1e-16 of 0.05 remains.
     np.testing.assert_allclose(DT * v + v**2 / 20.0, way, atol=1e-15)
 
