@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception.height_field import HeightField, look_up
+from bath_drake.perception.turns import turn_vector
 
 # Every how many points are laid on, and how often.
 STRIDE = 8
@@ -143,7 +144,7 @@ def _believe(
     total: float,
 ) -> None:
     """Adds what the outline tells: the turn about z, and the place in the plane."""
-    turn = Rotation.from_matrix(outline.R_WB.T @ pose.R_WB).as_rotvec()
+    turn = turn_vector(outline.R_WB.T @ pose.R_WB)
     shift = pose.R_WB.T @ (pose.p_WB - outline.p_WB)
     for k, weight, error in (
         (2, TURN_PRIOR, turn[2]),

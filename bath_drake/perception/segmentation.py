@@ -125,7 +125,9 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
     light, which is why no bound on brightness is needed but the one that keeps
     black, whose hue is noise, out.
     """
-    hsv = cv2.cvtColor(np.ascontiguousarray(colour[..., :3]), cv2.COLOR_RGB2HSV)
+    if colour.shape[2] == 4:
+        colour = np.asarray(cv2.cvtColor(colour, cv2.COLOR_RGBA2RGB))
+    hsv = cv2.cvtColor(np.ascontiguousarray(colour), cv2.COLOR_RGB2HSV)
     # OpenCV halves the hue's degrees to fit a byte.
     limit = round(config.hue_limit / 2.0)
     low_s, low_v = round(config.min_saturation * 255), round(config.min_value * 255)

@@ -46,7 +46,8 @@ def skin_deviations(observation: BodyObservation) -> FloatArray:
     if n < MIN_POINTS:
         return np.zeros((n, 3))
     columns, rows = observation.pixels.T
-    value = observation.colours.max(axis=1).astype(np.float64)
+    red, green, blue = observation.colours.T
+    value = np.maximum(np.maximum(red, green), blue).astype(np.float64)
     smooth = _means(
         np.ascontiguousarray(observation.colours),
         np.ascontiguousarray(rows),
