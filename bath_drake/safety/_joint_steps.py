@@ -20,6 +20,8 @@ HUGE = 1e3
 FINE = int(Reason.NONE)
 _NOT_FINITE = int(Reason.COMMAND_NOT_FINITE)
 _OUT_OF_RANGE, _JUMPED = int(Reason.JOINT_LIMIT), int(Reason.COMMAND_JUMP)
+# Of two rows' directions, as a cosine; and after so many rounds none is left over.
+_SQUARE, _SWEEPS = 1e-14, 30
 # Slower changes than this are none, rad/s.
 _NONE = 1e-12
 
@@ -138,3 +140,42 @@ def next_velocity(
         v = v_last[k] + final * (wanted[k] / excess - v_last[k])
         v_next[k] = min(max(v, least[k]), most[k])
     return v_next, final / excess
+
+
+@compiled
+def singular_value_ratio(rows: FloatArray) -> float:
+    """The greatest singular value of a matrix (m, n), m <= n, over the least.
+
+    Its rows are turned against each other until every two are square to each other:
+    their lengths are the singular values (Hestenes 1958), the small ones to their own
+    last digits. Infinite where one is zero.
+    """
+    rows = rows.copy()
+    m, n = rows.shape
+    for _ in range(_SWEEPS):
+        turned = False
+        for i in range(m):
+            for j in range(i + 1, m):
+                a, b, c = 0.0, 0.0, 0.0
+                for k in range(n):
+                    a += rows[i, k] * rows[i, k]
+                    b += rows[j, k] * rows[j, k]
+                    c += rows[i, k] * rows[j, k]
+                if not abs(c) > _SQUARE * math.sqrt(a * b):
+                    continue
+                turned = True
+                half = 0.5 * (b - a) / c
+                t = math.copysign(1.0, half) / (abs(half) + math.hypot(1.0, half))
+                cosine = 1.0 / math.hypot(1.0, t)
+                sine = t * cosine
+                for k in range(n):
+                    x, y = rows[i, k], rows[j, k]
+                    rows[i, k] = cosine * x - sine * y
+                    rows[j, k] = sine * x + cosine * y
+        if not turned:
+            break
+    least, greatest = math.inf, 0.0
+    for i in range(m):
+        length = math.sqrt((rows[i] * rows[i]).sum())
+        least, greatest = min(least, length), max(greatest, length)
+    return greatest / least if least > 0.0 else math.inf

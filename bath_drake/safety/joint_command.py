@@ -16,6 +16,7 @@ from bath_drake.safety._joint_steps import (
     is_small,
     next_velocity,
     refusal,
+    singular_value_ratio,
 )
 from bath_drake.safety.facts import Vector
 from bath_drake.safety.limits import JOINTS, GuardLimits
@@ -170,8 +171,7 @@ def condition_number(jacobian_E: ArrayLike) -> float:
     J = _plain(jacobian_E)
     if not _is_jacobian(J):
         return float("nan")
-    values = np.linalg.svd(J[_FOLLOWED], compute_uv=False)
-    return float(values[0] / values[-1]) if values[-1] > 0.0 else float("inf")
+    return float(singular_value_ratio(J[_FOLLOWED]))
 
 
 def can_brake(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bath_drake.safety._joint_steps import stoppable
+from bath_drake.safety._joint_steps import singular_value_ratio, stoppable
 from bath_drake.safety.joint_command import (
     Emitted,
     JointRange,
@@ -201,3 +201,24 @@ def test_the_condition_number_leaves_the_turn_about_the_jet_out():
 def test_a_range_is_seven_finite_numbers_in_order(low, high):
     with pytest.raises(ValueError, match="low"):
         JointRange(low, high)
+
+
+@pytest.mark.parametrize("least", [1.0, 0.3, 1e-2, 1e-5])
+def test_the_ratio_of_singular_values_is_what_lapack_says(least, rng):
+    for _ in range(50):
+        u, _ = np.linalg.qr(rng.normal(size=(5, 5)))
+        v, _ = np.linalg.qr(rng.normal(size=(7, 7)))
+        values = np.sort(rng.uniform(least, 1.0, size=5))
+        values[0], values[-1] = least, 1.0
+        rows = np.ascontiguousarray((u * values) @ v[:5])
+        expected = np.linalg.cond(rows)
+        # LAPACK's least value is good to the greatest's rounding.
+        assert singular_value_ratio(rows) == pytest.approx(expected, rel=1e-14 / least)
+
+
+def test_rows_that_say_the_same_are_as_good_as_singular(rng):
+    rows = rng.normal(size=(5, 7))
+    rows[3] = 2.0 * rows[1] - rows[0]
+    assert singular_value_ratio(rows) > 1e14
+    rows[3] = 0.0
+    assert singular_value_ratio(rows) == np.inf
