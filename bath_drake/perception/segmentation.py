@@ -19,7 +19,7 @@ from bath_drake.perception.pixels import (
     column_steps,
     facing_along,
     inside_box,
-    pixel_normals,
+    normals_at,
     with_rim,
 )
 
@@ -263,7 +263,7 @@ def _trimmed(
         # Normals are on the camera's side: so is the point their mean leads to.
         some = np.flatnonzero(torso)[::STRIDE]
         points = points_W.reshape(-1, 3)[some]
-        normals = pixel_normals(points_W, torso, NORMAL_REACH).reshape(-1, 3)[some]
+        normals = normals_at(points_W, torso, NORMAL_REACH, some)
         eye = points.mean(axis=0) + normals.mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
         span = -np.inf, np.inf
