@@ -4,7 +4,6 @@ Spatial velocities are (6,): angular part first (rad/s), then the translation of
 E's origin (m/s), both in W, as Drake orders them.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,8 +77,15 @@ def _jet_difference(
 
 def across_jet(twist: FloatArray, R: FloatArray) -> FloatArray:
     """Returns the twist (6,) without its turn about the jet, the z axis of R (3, 3)."""
-    left = np.array(twist, dtype=np.float64)
-    left[:3] -= (left[:3] @ R[:, 2]) * R[:, 2]
+    return _across_jet(np.ascontiguousarray(twist), np.ascontiguousarray(R))
+
+
+@njit(cache=True)
+def _across_jet(twist: FloatArray, R: FloatArray) -> FloatArray:
+    left = twist.copy()
+    along = twist[0] * R[0, 2] + twist[1] * R[1, 2] + twist[2] * R[2, 2]
+    for k in range(3):
+        left[k] -= along * R[k, 2]
     return left
 
 
@@ -106,33 +112,33 @@ def _is_pose(R: FloatArray, p: FloatArray) -> bool:
     return bool(R[0, 0] * across - R[0, 1] * along + R[0, 2] * last > 0.0)
 
 
-def limited(twist: FloatArray, angular: float, linear: float) -> FloatArray:
-    """Returns the twist (6,) with both parts' norms bounded, directions kept."""
-    return _limited(np.array(twist, dtype=np.float64), angular, linear)
+@njit(cache=True)
+def _norm(twist: FloatArray, first: int) -> float:
+    """Of the three numbers from `first` on."""
+    x, y, z = twist[first], twist[first + 1], twist[first + 2]
+    return float(np.sqrt(x * x + y * y + z * z))
 
 
 @njit(cache=True)
-def _limited(result: FloatArray, angular: float, linear: float) -> FloatArray:
-    """In place."""
+def limited(twist: FloatArray, angular: float, linear: float) -> FloatArray:
+    """Returns the twist (6,) with both parts' norms bounded, directions kept."""
+    result = twist.copy()
     for first, bound in ((0, angular), (3, linear)):
-        norm = np.sqrt(
-            result[first] ** 2 + result[first + 1] ** 2 + result[first + 2] ** 2
-        )
+        norm = _norm(result, first)
         if norm > bound:
             for k in range(first, first + 3):
                 result[k] *= bound / norm
     return result
 
 
+@njit(cache=True)
 def together(twist: FloatArray, angular: float, linear: float) -> FloatArray:
     """Returns the twist (6,) made slower as a whole until both parts are in bounds.
 
     So a long way is gone straight, and the turn on it comes to its end with it: a
     nozzle that turned first would take the arm where it need not go.
     """
-    turn = math.hypot(*twist[:3].tolist()) / angular
-    shift = math.hypot(*twist[3:].tolist()) / linear
-    return np.asarray(twist / max(1.0, turn, shift))
+    return twist / max(1.0, _norm(twist, 0) / angular, _norm(twist, 3) / linear)
 
 
 def next_feed_forward(
@@ -146,9 +152,21 @@ def next_feed_forward(
         config: Filter time and limits.
         dt: s.
     """
+    time, bounds = config.feed_forward_time, (config.angular_speed, config.speed)
+    return _feed_forward(previous, moved, time, bounds, dt)
+
+
+@njit(cache=True)
+def _feed_forward(
+    previous: FloatArray,
+    moved: FloatArray,
+    time: float,
+    bounds: tuple[float, float],
+    dt: float,
+) -> FloatArray:
     # A jump is no velocity: what enters the filter is bounded.
-    raw = limited(moved / dt, config.angular_speed, config.speed)
-    share = dt / (config.feed_forward_time + dt)
+    raw = limited(moved / dt, bounds[0], bounds[1])
+    share = dt / (time + dt)
     return previous + share * (raw - previous)
 
 
@@ -168,9 +186,20 @@ def next_twist(
         config: Gains and limits.
         dt: s.
     """
-    towards = together(config.gain * error, config.angular_speed, config.speed)
-    wanted = limited(feed_forward + towards, config.angular_speed, config.speed)
-    change = limited(
-        wanted - previous, config.angular_acceleration * dt, config.acceleration * dt
-    )
-    return previous + change
+    bounds = config.angular_speed, config.speed
+    changes = config.angular_acceleration * dt, config.acceleration * dt
+    return _twist(previous, error, feed_forward, config.gain, bounds, changes)
+
+
+@njit(cache=True)
+def _twist(
+    previous: FloatArray,
+    error: FloatArray,
+    feed_forward: FloatArray,
+    gain: float,
+    bounds: tuple[float, float],
+    changes: tuple[float, float],
+) -> FloatArray:
+    towards = together(gain * error, bounds[0], bounds[1])
+    wanted = limited(feed_forward + towards, bounds[0], bounds[1])
+    return previous + limited(wanted - previous, changes[0], changes[1])

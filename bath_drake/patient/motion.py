@@ -1,5 +1,6 @@
 """How the seated person moves: breath, twist and lean as a whole, and the spine."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -145,12 +146,12 @@ def _ramp(t: float, duration: float) -> float:
 
 
 def _rotation_x(angle: float) -> FloatArray:
-    c, s = np.cos(angle), np.sin(angle)
+    c, s = math.cos(angle), math.sin(angle)
     return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
 
 
 def _rotation_z(angle: float) -> FloatArray:
-    c, s = np.cos(angle), np.sin(angle)
+    c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
@@ -159,9 +160,9 @@ def trunk_bend(t: float, motion: MotionConfig) -> Bend:
     share = _ramp(t, motion.ramp)
 
     def wave(amplitude: float, period: float, phase: float) -> float:
-        return float(share * amplitude * np.sin(2.0 * np.pi * t / period + phase))
+        return float(share * amplitude * math.sin(2.0 * np.pi * t / period + phase))
 
-    breath = 0.5 * (1.0 - np.cos(2.0 * np.pi * motion.breath_frequency * t))
+    breath = 0.5 * (1.0 - math.cos(2.0 * np.pi * motion.breath_frequency * t))
     return Bend(
         flexion=wave(
             motion.flexion_amplitude, motion.flexion_period, motion.flexion_phase
@@ -198,17 +199,17 @@ def person_displacement(
     twist = (
         share
         * motion.twist_amplitude
-        * np.sin(2.0 * np.pi * t / motion.twist_period + motion.twist_phase)
+        * math.sin(2.0 * np.pi * t / motion.twist_period + motion.twist_phase)
     )
     lean = (
         share
         * motion.lean_amplitude
-        * np.sin(2.0 * np.pi * t / motion.lean_period + motion.lean_phase)
+        * math.sin(2.0 * np.pi * t / motion.lean_period + motion.lean_phase)
     )
     breath = (
         share
         * motion.breath_amplitude
-        * np.sin(2.0 * np.pi * motion.breath_frequency * t)
+        * math.sin(2.0 * np.pi * motion.breath_frequency * t)
     )
     R = _rotation_z(twist) @ _rotation_x(lean)
     p = p_MHips + R @ (breath * breath_M - p_MHips) + _departed(t, motion.departure)

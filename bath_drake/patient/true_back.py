@@ -9,9 +9,10 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
+from numba import njit
 
 from bath_drake.field.obstacles import ObstacleSet, Workspace
-from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 from bath_drake.patient.bending import BendingSkin
 from bath_drake.patient.motion import Bend
 from bath_drake.patient.people import Person
@@ -153,16 +154,38 @@ class TrueBack:
         """Pixels (n, 2) of points, the nearest ones of those beside it, and a mask."""
         camera = self._camera
         mask = np.zeros(camera.shape, dtype=np.uint8)
-        places = camera.project((points_W - self._p_WC) @ self._R_WC)
-        columns, rows = np.nan_to_num(places, nan=-1.0).T
-        inside = (columns >= 0) & (rows >= 0)
-        inside &= (columns < camera.width) & (rows < camera.height)
-        u = np.clip(columns, 0, camera.width - 1).astype(np.int64)
-        v = np.clip(rows, 0, camera.height - 1).astype(np.int64)
-        mask[v[inside], u[inside]] = 1
+        lens = camera.fx, camera.fy, camera.cx, camera.cy
+        pixels = _look_at(points_W, self._R_WC, self._p_WC, lens, mask)
         # Places are further apart than pixels where the camera is near.
         mask = np.asarray(cv2.dilate(mask, np.ones((3, 3), np.uint8)))
-        return np.column_stack([u, v]), mask.view(np.bool_)
+        return pixels, mask.view(np.bool_)
+
+
+@njit(cache=True)
+def _look_at(
+    points_W: FloatArray,
+    R_WC: FloatArray,
+    p_WC: FloatArray,
+    lens: tuple[float, float, float, float],
+    mask: ByteArray,
+) -> IntArray:
+    """Sets the pixels of points in a mask; returns them, or what is nearest there."""
+    height, width = mask.shape
+    fx, fy, cx, cy = lens
+    pixels = np.zeros((len(points_W), 2), dtype=np.int64)
+    for i in range(len(points_W)):
+        p = points_W[i] - p_WC
+        z = p[0] * R_WC[0, 2] + p[1] * R_WC[1, 2] + p[2] * R_WC[2, 2]
+        if not z > 0.0:
+            continue
+        x = p[0] * R_WC[0, 0] + p[1] * R_WC[1, 0] + p[2] * R_WC[2, 0]
+        y = p[0] * R_WC[0, 1] + p[1] * R_WC[1, 1] + p[2] * R_WC[2, 1]
+        u, v = fx * x / z + cx, fy * y / z + cy
+        column, row = min(max(u, 0.0), width - 1.0), min(max(v, 0.0), height - 1.0)
+        pixels[i, 0], pixels[i, 1] = int(column), int(row)
+        if 0.0 <= u < width and 0.0 <= v < height:
+            mask[int(row), int(column)] = 1
+    return pixels
 
 
 def _places(skin: TrueSkin) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
+from numba import njit
 from scipy import ndimage
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
@@ -135,9 +136,28 @@ def filled_voxels(
         low_W: (3,) the box's lower corner.
         high_W: (3,) its upper corner.
     """
-    inside = ((points_W > low_W) & (points_W < high_W)).all(axis=1)
     shape = _shape(tuple(low_W.tolist()), tuple(high_W.tolist()))
-    index = ((points_W[inside] - low_W) / VOXEL).astype(np.int64)
-    flat = np.ravel_multi_index(tuple(index.T), shape)
-    filled = np.bincount(flat, areas[inside] * 1e4, int(np.prod(shape)))
-    return np.ceil(filled).astype(np.int64).reshape(shape)
+    points_W = np.ascontiguousarray(points_W)
+    filled = _filled(points_W, np.ascontiguousarray(areas), low_W, high_W, shape)
+    return np.ceil(filled).astype(np.int64)
+
+
+@njit(cache=True)
+def _filled(
+    points_W: FloatArray,
+    areas: FloatArray,
+    low_W: FloatArray,
+    high_W: FloatArray,
+    shape: tuple[int, int, int],
+) -> FloatArray:
+    filled, at = np.zeros(shape), np.zeros(3, dtype=np.int64)
+    for i in range(len(points_W)):
+        inside = True
+        for k in range(3):
+            inside &= low_W[k] < points_W[i, k] < high_W[k]
+            # Rounding must not lead out of the last voxel.
+            index = int((points_W[i, k] - low_W[k]) / VOXEL) if inside else 0
+            at[k] = min(index, shape[k] - 1)
+        if inside:
+            filled[at[0], at[1], at[2]] += areas[i] * 1e4
+    return filled

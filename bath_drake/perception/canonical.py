@@ -12,6 +12,7 @@ from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.quadric import cross
 from bath_drake.shared import Shared
 
 # Fewer points than this carry no extents worth the name.
@@ -30,6 +31,9 @@ LEVEL = 0.01
 MIDLINE_TRIM = 0.03
 MIDLINE_SPAN = 0.1
 MIDLINE_ROUNDS = 2
+
+# Rotations that went through files carry some 1e-7 of it.
+_ROUNDING = 1e-6 + 1e-5 * np.eye(3)
 
 # Quantiles are looked for in a histogram of this many bins first.
 BINS = 512
@@ -60,8 +64,7 @@ class CanonicalMap(Shared):
                 raise ValueError(f"{name} must be finite with shape {shape}")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
-        # Rotations that went through files carry some 1e-7 of rounding.
-        if not np.allclose(self.R_WP @ self.R_WP.T, np.eye(3), atol=1e-6):
+        if not (np.abs(self.R_WP @ self.R_WP.T - np.eye(3)) <= _ROUNDING).all():
             raise ValueError("R_WP must be orthonormal")
         if not np.linalg.det(self.R_WP) > 0.0:
             raise ValueError("R_WP must be right-handed")
@@ -199,14 +202,14 @@ def principal_frame(
     variances, axes = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)
     if not variances[1] > 1e-8:
         raise ValueError("the points lie on a line: they span no plane")
-    z = axes[:, 0]
+    z = np.ascontiguousarray(axes[:, 0])
     z = z if z @ (np.asarray(eye_W, dtype=np.float64) - mean) >= 0.0 else -z
     y = _up_axis(axes[:, 2], variances[2] / variances[1], z, up_W)
     for _ in range(MIDLINE_ROUNDS):
-        x = np.cross(y, z)
+        x = cross(y, z)
         angle = _midline_slope(offsets @ y, offsets @ x)
         y = np.cos(angle) * y + np.sin(angle) * x
-    return mean, np.column_stack([np.cross(y, z), y, z])
+    return mean, np.column_stack([cross(y, z), y, z])
 
 
 def edges_by_level(
@@ -240,13 +243,22 @@ def _edges(level: IntArray, across: FloatArray) -> tuple[FloatArray, FloatArray]
 
 def _midline_slope(along: FloatArray, across: FloatArray) -> float:
     """Returns the angle of the midline to the `along` axis, towards `across`."""
-    low, high = np.quantile(along, (MIDLINE_TRIM, 1.0 - MIDLINE_TRIM))
+    low, high = _quantiles(along, MIDLINE_TRIM)
     inner = (along >= low) & (along <= high)
     _, left, right = edges_by_level(along[inner], across[inner])
     slopes = _slopes(left, right)
     if len(slopes) == 0:  # too short a region to have a midline
         return 0.0
     return float(np.arctan(np.median(slopes)))
+
+
+def _quantiles(values: FloatArray, share: float) -> tuple[float, float]:
+    """Returns the quantiles of `share` and one minus it, as numpy has them."""
+    last = len(values) - 1
+    low, high = share * last, (1.0 - share) * last
+    places = [int(low), min(int(low) + 1, last), int(high), min(int(high) + 1, last)]
+    a, b, c, d = np.partition(values, places)[places].tolist()
+    return a + (low - int(low)) * (b - a), c + (high - int(high)) * (d - c)
 
 
 @njit(cache=True)
@@ -275,7 +287,7 @@ def _up_axis(
     if not length > 1e-6:
         raise ValueError("the back's plane is level: up has no direction in it")
     up /= length
-    right = np.cross(up, normal)
+    right = cross(up, normal)
     # Angle from up to the major axis; axes are lines and come in a cross, so the
     # nearest arm of the cross is within 45 degrees.
     angle = np.arctan2(major @ -right, major @ up)

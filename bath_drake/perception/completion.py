@@ -8,6 +8,7 @@ once, a smooth fit stands in.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
 from bath_drake.perception import morphology
@@ -63,11 +64,24 @@ def pixel_indices(
     points_W: FloatArray, camera: PinholeCamera, R_WC: FloatArray, p_WC: FloatArray
 ) -> IntArray:
     """Returns the (n, 2) rows and columns that show points (n, 3); -1 if none."""
-    seen = camera.project((points_W - p_WC) @ R_WC)
-    seen = np.where(np.isfinite(seen), seen, -1.0)
-    size = np.array([camera.width, camera.height])
-    inside = np.asarray(((seen >= 0.0) & (seen < size)).all(axis=1))
-    return np.where(inside[:, None], seen[:, ::-1], -1.0).astype(np.int64)
+    p_C = np.ascontiguousarray((points_W - p_WC) @ R_WC)
+    lens = camera.fx, camera.fy, camera.cx, camera.cy
+    return _indices(p_C, lens, camera.width, camera.height)
+
+
+@njit(cache=True)
+def _indices(
+    p_C: FloatArray, lens: tuple[float, float, float, float], width: int, height: int
+) -> IntArray:
+    fx, fy, cx, cy = lens
+    indices = np.full((len(p_C), 2), -1, dtype=np.int64)
+    for i in range(len(p_C)):
+        x, y, z = p_C[i]
+        if z > 0.0:
+            u, v = fx * x / z + cx, fy * y / z + cy
+            if 0.0 <= u < width and 0.0 <= v < height:
+                indices[i, 0], indices[i, 1] = int(v), int(u)
+    return indices
 
 
 def covered_pixels(indices: IntArray, shape: tuple[int, int]) -> BoolArray:

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.turns import turn_vector
 
 # The longer nothing was believed, the further the body can have come, s; but more than
 # this would let anything in.
@@ -79,7 +79,7 @@ class JumpGate:
 
     def agree(self, a: CanonicalMap, b: CanonicalMap, dt: float) -> bool:
         """Whether a body can have come from a to b in `dt` seconds."""
-        turn = Rotation.from_matrix(a.R_WP.T @ b.R_WP).magnitude()
+        turn = np.linalg.norm(turn_vector(a.R_WP.T @ b.R_WP))
         stretch = np.abs(np.log(b.half_extents / a.half_extents)).max()
         return bool(
             np.linalg.norm(b.p_WP - a.p_WP) <= self.shift + self.speed * dt

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.turns import turn_vector
 
 
 def _unsure() -> FloatArray:
@@ -133,7 +134,7 @@ def predicted(smooth: SmoothMap, dt: float) -> SmoothMap:
 
 def _difference(a: CanonicalMap, b: CanonicalMap) -> FloatArray:
     """Returns (6,) what takes a's frame to b's: a turn about axes of W, a shift."""
-    turn = Rotation.from_matrix(b.R_WP @ a.R_WP.T).as_rotvec()
+    turn = turn_vector(b.R_WP @ a.R_WP.T)
     return np.concatenate([turn, b.p_WP - a.p_WP])
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from bath_drake.notation import BoolArray, FloatArray
+from bath_drake.notation import BoolArray, FloatArray, IntArray
 
 # Skin seen at a flatter angle than this counts as seen at it (cosine of 80
 # degrees): a grazing pixel must not outweigh a hundred others.
@@ -179,6 +179,24 @@ def pixel_normals(points: FloatArray, mask: BoolArray, reach: int) -> FloatArray
                 normals[v, u, 0] = n0 / length
                 normals[v, u, 1] = n1 / length
                 normals[v, u, 2] = n2 / length
+    return normals
+
+
+@njit(cache=True)
+def normals_at(
+    points: FloatArray, mask: BoolArray, reach: int, pixels: IntArray
+) -> FloatArray:
+    """Returns the (n, 3) `pixel_normals` of some pixels, counted by row, of a mask."""
+    _, columns, _ = points.shape
+    normals = np.zeros((len(pixels), 3))
+    for i in range(len(pixels)):
+        v, u = pixels[i] // columns, pixels[i] % columns
+        n0, n1, n2 = _normal(points, mask, v, u, reach)
+        length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+        if length > 0.0:
+            normals[i, 0] = n0 / length
+            normals[i, 1] = n1 / length
+            normals[i, 2] = n2 / length
     return normals
 
 

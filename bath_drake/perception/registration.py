@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception.height_field import HeightField, look_up
+from bath_drake.perception.turns import turn_vector
 
 # Every how many points are laid on, and how often.
 STRIDE = 8
@@ -68,10 +69,21 @@ class BodyPose:
 
 def _bent_by(p_B: FloatArray, curvature: FloatArray) -> FloatArray:
     """Returns how far (n, 3), m, the curvature moves points, to first order."""
-    y = p_B[:, 1]
-    section = np.column_stack([p_B[:, 0], np.zeros(len(y)), p_B[:, 2]])
-    turned = np.cross(np.outer(y, curvature), section)
-    return turned + np.outer(0.5 * y * y, np.cross(curvature, [0.0, 1.0, 0.0]))
+    return _bend(np.ascontiguousarray(p_B), np.ascontiguousarray(curvature))
+
+
+@njit(cache=True)
+def _bend(p_B: FloatArray, curvature: FloatArray) -> FloatArray:
+    """Y k x (x, 0, z) + y^2 / 2 k x e_y of each point."""
+    kx, ky, kz = curvature
+    moved = np.empty(p_B.shape)
+    for i in range(len(p_B)):
+        x, y, z = p_B[i]
+        half = 0.5 * y * y
+        moved[i, 0] = y * ky * z - half * kz
+        moved[i, 1] = y * kz * x - y * kx * z
+        moved[i, 2] = half * kx - y * ky * x
+    return moved
 
 
 def register(
@@ -132,7 +144,7 @@ def _believe(
     total: float,
 ) -> None:
     """Adds what the outline tells: the turn about z, and the place in the plane."""
-    turn = Rotation.from_matrix(outline.R_WB.T @ pose.R_WB).as_rotvec()
+    turn = turn_vector(outline.R_WB.T @ pose.R_WB)
     shift = pose.R_WB.T @ (pose.p_WB - outline.p_WB)
     for k, weight, error in (
         (2, TURN_PRIOR, turn[2]),

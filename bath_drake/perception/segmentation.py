@@ -19,7 +19,7 @@ from bath_drake.perception.pixels import (
     column_steps,
     facing_along,
     inside_box,
-    pixel_normals,
+    normals_at,
     with_rim,
 )
 
@@ -125,7 +125,9 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
     light, which is why no bound on brightness is needed but the one that keeps
     black, whose hue is noise, out.
     """
-    hsv = cv2.cvtColor(np.ascontiguousarray(colour[..., :3]), cv2.COLOR_RGB2HSV)
+    if colour.shape[2] == 4:
+        colour = np.asarray(cv2.cvtColor(colour, cv2.COLOR_RGBA2RGB))
+    hsv = cv2.cvtColor(np.ascontiguousarray(colour), cv2.COLOR_RGB2HSV)
     # OpenCV halves the hue's degrees to fit a byte.
     limit = round(config.hue_limit / 2.0)
     low_s, low_v = round(config.min_saturation * 255), round(config.min_value * 255)
@@ -133,7 +135,7 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
     crimson = cv2.inRange(
         hsv, np.array([180 - limit // 2, low_s, low_v]), np.array([180, 255, 255])
     )
-    return np.asarray((orange > 0) | (crimson > 0))
+    return np.asarray(cv2.bitwise_or(orange, crimson) > 0)
 
 
 def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:
@@ -261,7 +263,7 @@ def _trimmed(
         # Normals are on the camera's side: so is the point their mean leads to.
         some = np.flatnonzero(torso)[::STRIDE]
         points = points_W.reshape(-1, 3)[some]
-        normals = pixel_normals(points_W, torso, NORMAL_REACH).reshape(-1, 3)[some]
+        normals = normals_at(points_W, torso, NORMAL_REACH, some)
         eye = points.mean(axis=0) + normals.mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
         span = -np.inf, np.inf

@@ -8,6 +8,7 @@ plane, is not biased where the back is round.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
@@ -178,16 +179,25 @@ def desired_nozzle_pose(
     Raises:
         ValueError: If the normal is along the patient's up.
     """
-    z = -patch.normal_W
     up = canonical_map.R_WP[:, 1]
-    x = up - (up @ z) * z
-    length = np.linalg.norm(x)
-    if not length > 1e-6:
+    R_WE = _square_to(patch.normal_W, np.ascontiguousarray(up), roll)
+    if not np.isfinite(R_WE[0, 0]):
         raise ValueError("the skin's normal is along the patient's up: no roll")
-    x /= length
-    x = np.cos(roll) * x + np.sin(roll) * cross(z, x)
-    R_WE = np.column_stack([x, cross(z, x), z])
     return R_WE, patch.p_WS + standoff * patch.normal_W
+
+
+@njit(cache=True)
+def _square_to(normal_W: FloatArray, up: FloatArray, roll: float) -> FloatArray:
+    """R_WE of a nozzle that looks against a normal; NaN where `up` is along it."""
+    z = -normal_W
+    x = up - (up[0] * z[0] + up[1] * z[1] + up[2] * z[2]) * z
+    length = np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+    R_WE = np.full((3, 3), np.nan)
+    if length > 1e-6:
+        x /= length
+        x = np.cos(roll) * x + np.sin(roll) * cross(z, x)
+        R_WE[:, 0], R_WE[:, 1], R_WE[:, 2] = x, cross(z, x), z
+    return R_WE
 
 
 def height_over(patch: SurfacePatch, p_WQ: FloatArray) -> float:
@@ -198,7 +208,19 @@ def height_over(patch: SurfacePatch, p_WQ: FloatArray) -> float:
     """
     if not patch.valid:
         return float("inf")
-    offset = np.asarray(p_WQ, dtype=np.float64) - patch.p_WS
-    height = float(offset @ patch.normal_W)
-    aside = float(np.linalg.norm(offset - height * patch.normal_W))
+    p_WQ = np.ascontiguousarray(p_WQ, dtype=np.float64)
+    height, aside = _over(patch.p_WS, patch.normal_W, p_WQ)
     return height if aside <= 2.0 * patch.radius else float("inf")
+
+
+@njit(cache=True)
+def _over(
+    p_WS: FloatArray, normal_W: FloatArray, p_WQ: FloatArray
+) -> tuple[float, float]:
+    """How far a point is from another along a normal, and aside of it, m."""
+    height = aside2 = 0.0
+    for k in range(3):
+        height += (p_WQ[k] - p_WS[k]) * normal_W[k]
+    for k in range(3):
+        aside2 += (p_WQ[k] - p_WS[k] - height * normal_W[k]) ** 2
+    return height, np.sqrt(aside2)

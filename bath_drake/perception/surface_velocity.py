@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from bath_drake.notation import FloatArray
 from bath_drake.perception.quadric import cross
@@ -83,10 +84,10 @@ def moved_patch(
     """
     if not patch.valid or not velocity.any():
         return patch
-    normal_W = patch.normal_W + elapsed * cross(velocity[:3], patch.normal_W)
+    p_WS, normal_W = _moved(patch.p_WS, patch.normal_W, velocity, elapsed)
     return SurfacePatch(
-        p_WS=patch.p_WS + elapsed * velocity[3:],
-        normal_W=normal_W / math.hypot(*normal_W.tolist()),
+        p_WS=p_WS,
+        normal_W=normal_W,
         curvatures=patch.curvatures,
         count=patch.count,
         rms=patch.rms,
@@ -94,6 +95,15 @@ def moved_patch(
         valid=patch.valid,
         normal_deviation=patch.normal_deviation,
     )
+
+
+@njit(cache=True)
+def _moved(
+    p_WS: FloatArray, normal_W: FloatArray, velocity: FloatArray, elapsed: float
+) -> tuple[FloatArray, FloatArray]:
+    normal = normal_W + elapsed * cross(velocity[:3], normal_W)
+    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    return p_WS + elapsed * velocity[3:], normal / length
 
 
 def _at_most(vector: FloatArray, bound: float) -> FloatArray:

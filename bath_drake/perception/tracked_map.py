@@ -16,6 +16,7 @@ from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.height_field import HeightField
 from bath_drake.perception.registration import BodyPose, register
+from bath_drake.perception.turns import turn_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +115,7 @@ class MapTracker:
         middle = _middle(pose, seen.half_extents[1])
         box, skin, frames = body.box, body.skin, body.frames
         if stamp - body.first <= self.settle_time:
-            seen_turn = Rotation.from_matrix(pose.R_WB.T @ seen.R_WP).as_rotvec()
+            seen_turn = turn_vector(pose.R_WB.T @ seen.R_WP)
             place = pose.R_WB.T @ (seen.p_WP - middle)
             box = box + np.concatenate([seen_turn, place, seen.half_extents])
             skin = skin.with_points(pose.unbent(points_W))

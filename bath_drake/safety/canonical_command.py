@@ -151,14 +151,13 @@ def check_canonical_command(
     v = np.asarray(velocity, dtype=np.float64)
     p = np.asarray(point, dtype=np.float64)
     extents = np.asarray(half_extents, dtype=np.float64)
-    if not (
-        all(a.shape == (2,) and np.isfinite(a).all() for a in (v, p, extents))
-        and (extents > 0.0).all()
-        and (extents < _HUGE).all()
-        and math.isfinite(condition_number)
-    ):
+    if not all(a.shape == (2,) for a in (v, p, extents)):
         return _held(Reason.COMMAND_NOT_FINITE)
-    x, y, vx, vy = float(p[0]), float(p[1]), float(v[0]), float(v[1])
+    (vx, vy), (x, y) = v.tolist(), p.tolist()
+    told = (vx, vy, x, y, condition_number)
+    sizes = all(0.0 < extent < _HUGE for extent in extents.tolist())
+    if not (sizes and all(map(math.isfinite, told))):
+        return _held(Reason.COMMAND_NOT_FINITE)
     if len(world.areas) and min_beta(x, y, _EVERYWHERE, world.areas) <= 0.0:
         return _held(Reason.AREA_ENTERED)
     if min_beta(x, y, world.workspace, world.forms) <= 0.0:

@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bath_drake.notation import BoolArray, FloatArray
+from bath_drake.safety._joint_steps import (
+    catching_up,
+    is_small,
+    next_velocity,
+    refusal,
+    singular_value_ratio,
+)
 from bath_drake.safety.facts import Vector
 from bath_drake.safety.limits import JOINTS, GuardLimits
 from bath_drake.safety.reasons import Reason
 
-# Of the acceleration, for catching up with a command that is ahead: the rest is left
-# for the command's own.
-_CATCH_UP = 0.5
-# Beyond any meaning, and of a finite square: rad/s, m/rad and rad/rad.
-_HUGE = 1e3
 # Damping of the Jacobian's inverse, of the size of its singular values near a
 # singularity (m/rad, rad/rad).
 _DAMPING = 0.05
@@ -106,21 +108,20 @@ def check_joint_command(
         limits: What to keep to.
     """
     wanted = np.asarray(command, dtype=np.float64)
-    if wanted.shape != (2 * JOINTS,) or not np.isfinite(wanted).all():
+    if wanted.shape != (2 * JOINTS,):
         return CheckedJoints(None, Reason.COMMAND_NOT_FINITE)
-    J = np.asarray(jacobian, dtype=np.float64)
+    q, v = wanted[:JOINTS], wanted[JOINTS:]
+    reason = refusal(q, v, last.q, joints.low, joints.high, limits.joints.jump)
+    if reason == Reason.COMMAND_NOT_FINITE:
+        return CheckedJoints(None, Reason.COMMAND_NOT_FINITE)
+    J = _plain(jacobian)
     if not _is_jacobian(J):
         return CheckedJoints(None, Reason.FACT_NOT_FINITE)
-    q, v = wanted[:JOINTS], wanted[JOINTS:]
-    if not ((q >= joints.low) & (q <= joints.high)).all():
-        return CheckedJoints(None, Reason.JOINT_LIMIT)
-    if np.abs(q - last.q).max() > limits.joints.jump or np.abs(v).max() > _HUGE:
-        return CheckedJoints(None, Reason.COMMAND_JUMP)
-    # v, and what takes away the lag that following v alone would leave.
-    lag = q - last.q - dt * v
-    acceleration = _CATCH_UP * np.array(limits.joints.acceleration)
-    catching_up = np.sign(lag) * stoppable_speed(np.abs(lag), acceleration, dt)
-    return _towards(v + catching_up, J, last, joints, dt, limits)
+    if reason != Reason.NONE:
+        return CheckedJoints(None, Reason(reason))
+    acceleration = np.array(limits.joints.acceleration)
+    to_follow = catching_up(q, v, last.q, acceleration, dt)
+    return _towards(to_follow, J, last, joints, dt, limits)
 
 
 def retreat_step(
@@ -143,7 +144,7 @@ def retreat_step(
         dt: The step, s.
         limits: What to keep to.
     """
-    J = np.asarray(jacobian, dtype=np.float64)
+    J = _plain(jacobian)
     if not _is_jacobian(J):
         return CheckedJoints(None, Reason.FACT_NOT_FINITE)
     twist = np.zeros(6)
@@ -167,20 +168,10 @@ def condition_number(jacobian_E: ArrayLike) -> float:
             The turn about the jet, its third row, is free and left out. Radians and
             metres stand side by side, as the limits of this number have it.
     """
-    J = np.asarray(jacobian_E, dtype=np.float64)
+    J = _plain(jacobian_E)
     if not _is_jacobian(J):
         return float("nan")
-    values = np.linalg.svd(J[_FOLLOWED], compute_uv=False)
-    return float(values[0] / values[-1]) if values[-1] > 0.0 else float("inf")
-
-
-def stoppable_speed(way: FloatArray, acceleration: FloatArray, dt: float) -> FloatArray:
-    """The speed from which, after one more step, one stops within `way` >= 0.
-
-    It solves dt v + v^2 / (2 a) = way; elementwise, rad/s.
-    """
-    step = acceleration * dt
-    return np.asarray(np.sqrt(step**2 + 2.0 * acceleration * way) - step)
+    return float(singular_value_ratio(J[_FOLLOWED]))
 
 
 def can_brake(
@@ -195,9 +186,13 @@ def can_brake(
     return bool(inside.all())
 
 
+def _plain(values: ArrayLike) -> FloatArray:
+    """As the compiled steps take it: one layout, one compilation."""
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
 def _is_jacobian(J: FloatArray) -> bool:
-    # NaN is not below it either.
-    return J.shape == (6, JOINTS) and bool((np.abs(J) < _HUGE).all())
+    return J.shape == (6, JOINTS) and bool(is_small(J))
 
 
 def _towards(
@@ -209,40 +204,19 @@ def _towards(
     limits: GuardLimits,
 ) -> CheckedJoints:
     """As far from the last velocity to `v` as the limits allow."""
-    acceleration = np.array(limits.joints.acceleration)
-    velocity = np.array(limits.joints.velocity)
-    # All joints by one factor; then one that is at its speed does not keep the others
-    # from changing theirs. Between two slow tips every tip is slow.
-    tip = float(np.linalg.norm(J[3:] @ v)) / limits.nozzle.speed
-    excess = max(1.0, float((np.abs(v) / velocity).max()), tip)
-    v = v / excess
-    down, up = last.q - joints.low, joints.high - last.q
-    # What is out of its range may only come back.
-    slowest = -stoppable_speed(np.maximum(down, 0.0), acceleration, dt)
-    fastest = stoppable_speed(np.maximum(up, 0.0), acceleration, dt)
-    low = np.maximum(np.maximum(-velocity, slowest), last.v - dt * acceleration)
-    high = np.minimum(np.minimum(velocity, fastest), last.v + dt * acceleration)
-    share = _largest_share(last.v, v - last.v, low, high)
-    if share is None:
+    v_next, share = next_velocity(
+        v,
+        J,
+        last.q,
+        last.v,
+        joints.low,
+        joints.high,
+        np.array(limits.joints.velocity),
+        np.array(limits.joints.acceleration),
+        limits.nozzle.speed,
+        dt,
+    )
+    if share < 0.0:
         return CheckedJoints(None, Reason.JOINT_LIMIT)
-    # Rounding alone is clipped: the share was chosen within the bounds.
-    v_next = np.clip(last.v + share * (v - last.v), low, high)
     emitted = Emitted(last.q + dt * v_next, v_next)
-    return CheckedJoints(emitted, Reason.NONE, limited=share < excess * (1.0 - 1e-6))
-
-
-def _largest_share(
-    start: FloatArray, change: FloatArray, low: FloatArray, high: FloatArray
-) -> float | None:
-    """The largest s in [0, 1] with low <= start + s change <= high; None if none."""
-    first, final = 0.0, 1.0
-    columns = (a.tolist() for a in (start, change, low, high))
-    for v, d, least, most in zip(*columns, strict=True):
-        # Slower changes than this are none, rad/s.
-        if abs(d) < 1e-12:
-            if not least - 1e-12 <= v <= most + 1e-12:
-                return None
-            continue
-        ends = sorted(((least - v) / d, (most - v) / d))
-        first, final = max(first, ends[0]), min(final, ends[1])
-    return final if first <= final else None
+    return CheckedJoints(emitted, Reason.NONE, limited=share < 1.0 - 1e-6)

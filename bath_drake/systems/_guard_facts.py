@@ -3,11 +3,9 @@
 from math import isfinite
 from typing import Any
 
-import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import Context, InputPort, LeafSystem
 
-from bath_drake.notation import FloatArray
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.safety.facts import GuardFacts
 from bath_drake.safety.hold import LOST_TIME
@@ -34,6 +32,9 @@ OPTIONAL_PORTS = {
 }
 
 
+_REASONS = {float(reason): reason for reason in Reason}
+
+
 class FactPorts:
     """Declares the ports on a system and reads them."""
 
@@ -53,7 +54,7 @@ class FactPorts:
         now = context.get_time()
         found: dict[str, Any] = {}
         given = {
-            name: eval_vector(port, context)
+            name: eval_vector(port, context).tolist()
             for name, port in self._ports.items()
             if port.HasValue(context)
         }
@@ -64,10 +65,10 @@ class FactPorts:
             ("reset", "reset"),
         ):
             if port in given:
-                found[fact] = bool(given[port][0] > 0.5)
+                found[fact] = given[port][0] > 0.5
         # 0 is well there; NaN is not below one half either.
         if "ik_status" in given:
-            found["joint_solution"] = bool(given["ik_status"][0] < 0.5)
+            found["joint_solution"] = given["ik_status"][0] < 0.5
         for fact in (
             "self_distance",
             "nozzle_clearance",
@@ -75,27 +76,27 @@ class FactPorts:
             "robot_stamp",
         ):
             if fact in given:
-                found[fact] = float(given[fact][0])
+                (found[fact],) = given[fact]
         if "frame_status" in given:
-            share, frozen, back = given["frame_status"].tolist()
+            share, frozen, back = given["frame_status"]
             found |= {
                 "invalid_share": share,
                 "frame_frozen": not frozen < 0.5,
                 "frame_stamp_bad": not back < 0.5,
             }
         if "body_status" in given:
-            speed, bodies = given["body_status"].tolist()
+            speed, bodies = given["body_status"]
             whole = int(bodies) if isfinite(bodies) else 0
             found |= {"body_speed": speed, "bodies": whole}
         if "command_stamp" in given:
-            found["command_age"] = now - float(given["command_stamp"][0])
+            found["command_age"] = now - given["command_stamp"][0]
         if "wrench" in given:
-            stamp, *wrench = given["wrench"].tolist()
+            stamp, *wrench = given["wrench"]
             found |= {"wrench_stamp": stamp, "wrench": tuple(wrench)}
         if "surface_normal" in given:
-            found["normal_W"] = tuple(given["surface_normal"].tolist())
+            found["normal_W"] = tuple(given["surface_normal"])
         if "other_reason" in given:
-            found["reported"] = (_reason(given["other_reason"]),)
+            found["reported"] = (_reason(given["other_reason"][0]),)
         return GuardFacts(
             now=now,
             frame_stamp=observation.stamp,
@@ -106,7 +107,5 @@ class FactPorts:
         )
 
 
-def _reason(value: FloatArray) -> Reason:
-    number = float(value[0])
-    known = isfinite(number) and number in np.arange(len(Reason))
-    return Reason(int(number)) if known else Reason.FACT_NOT_FINITE
+def _reason(number: float) -> Reason:
+    return _REASONS.get(number, Reason.FACT_NOT_FINITE)

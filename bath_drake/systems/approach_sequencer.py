@@ -50,7 +50,7 @@ class ApproachSequencer(LeafSystem):
             return
         X_WE = eval_value(self._X_WE, context, RigidTransform)
         X_WE_desired = eval_value(self._X_WE_desired, context, RigidTransform)
-        offset = X_WE_desired.inverse().multiply(X_WE).translation()
+        offset = np.subtract(X_WE.translation(), X_WE_desired.translation())
         phase_index, standoff_index = self._indices
         phase, standoff = next_approach(
             Phase(int(context.get_discrete_state(phase_index).value()[0])),

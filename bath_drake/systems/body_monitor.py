@@ -1,5 +1,6 @@
 """Watches how fast the body moves, and whether somebody else comes near it."""
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,19 @@ from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.pixels import points_in_world
+from bath_drake.shared import Shared
 from bath_drake.systems._ports import eval_value, eval_vector, set_vector
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S
 
 # Every fourth pixel along both axes: a hand is still some twenty of them.
 _STRIDE = 4
+
+
+@dataclass(frozen=True, eq=False)
+class _Sample(Shared):
+    """Every few pixels of the newest depth image, m; of nothing before the first."""
+
+    depth: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 class BodyMonitor(LeafSystem):
@@ -43,7 +52,8 @@ class BodyMonitor(LeafSystem):
 
     `body_status` (2) is the speed of the back's fastest corner, m/s, and how many
     bodies are in the workspace box: 1, and one more for each that came in since. The
-    state is a `bath_drake.perception.body_check.BodyCheck`.
+    state is a `bath_drake.perception.body_check.BodyCheck` and some of the pixels of
+    the frame it is about.
     """
 
     def __init__(
@@ -84,10 +94,13 @@ class BodyMonitor(LeafSystem):
         )
         self._map = self.DeclareAbstractInputPort("canonical_map", Value[object]())
         self._believed = self.DeclareVectorInputPort("map_status", 1)
+        self._sample = self.DeclareAbstractState(Value[object](_Sample()))
         self._state = self.DeclareAbstractState(Value[object](BodyCheck()))
         self.DeclareVectorOutputPort(
             "body_status", 2, self._calc, {self.abstract_state_ticket(self._state)}
         )
+        # With the frame itself: a millisecond later the camera would render anew.
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._take)
         # After the map of the same frame.
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             period, 2.0 * FRAME_DELAY_S, self._check
@@ -98,6 +111,12 @@ class BodyMonitor(LeafSystem):
         check: BodyCheck = state.get_value()
         return check
 
+    def _take(self, context: Context, state: State) -> EventStatus:
+        image: Any = eval_value(self._depth, context, ImageDepth32F)
+        depth = image.data[::_STRIDE, ::_STRIDE, 0].astype(np.float64)
+        state.get_mutable_abstract_state(int(self._sample)).set_value(_Sample(depth))
+        return EventStatus.Succeeded()
+
     def _check(self, context: Context, state: State) -> EventStatus:
         observation = eval_value(self._observation, context, BodyObservation)
         last = self._last(context)
@@ -106,8 +125,8 @@ class BodyMonitor(LeafSystem):
         found = None
         if observation.found and eval_vector(self._believed, context)[0] > 0.5:
             found = eval_value(self._map, context, CanonicalMap)
-        image: Any = eval_value(self._depth, context, ImageDepth32F)
-        depth = image.data[::_STRIDE, ::_STRIDE, 0].astype(np.float64)
+        held: Any = context.get_abstract_state(int(self._sample))
+        depth = held.get_value().depth
         points = points_in_world(depth, self._rays, self._R_WC, self._p_WC)
         seen = np.isfinite(points[..., 0])
         areas = self._pixel * depth**2

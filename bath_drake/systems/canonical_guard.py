@@ -88,8 +88,8 @@ class CanonicalGuard(LeafSystem):
         )
         self._condition = self.DeclareVectorInputPort("condition_number", 1)
         self._facts = FactPorts(self)
-        self._state = self.DeclareAbstractState(Value[object](CanonicalTick()))
-        ticket = self.abstract_state_ticket(self._state)
+        index = self.DeclareAbstractState(Value[object](CanonicalTick()))
+        self._state, ticket = int(index), self.abstract_state_ticket(index)
         self.DeclareVectorOutputPort(
             "checked_velocity", 2, self._calc_velocity, {ticket}
         )
@@ -98,7 +98,7 @@ class CanonicalGuard(LeafSystem):
 
     def last_tick(self, context: Any) -> CanonicalTick:
         """Returns what the last update came to, from this system's own `context`."""
-        tick: CanonicalTick = context.get_abstract_state(int(self._state)).get_value()
+        tick: CanonicalTick = context.get_abstract_state(self._state).get_value()
         return tick
 
     def _update(self, context: Context, state: State) -> EventStatus:
@@ -118,7 +118,7 @@ class CanonicalGuard(LeafSystem):
             dt=self._period,
             limits=self._limits,
         )
-        state.get_mutable_abstract_state(int(self._state)).set_value(tick)
+        state.get_mutable_abstract_state(self._state).set_value(tick)
         return EventStatus.Succeeded()
 
     def _calc_velocity(self, context: Context, output: BasicVector) -> None:

@@ -202,10 +202,14 @@ class DifferentialIk(LeafSystem):
         From beyond a limit no motion within it begins, not even the one back.
         """
         low, high = self._range
+        if self._admitted is self._range and (q >= low).all() and (q <= high).all():
+            return
         admitted = np.minimum(low, q), np.maximum(high, q)
         if np.array_equal(admitted, self._admitted):
             return
-        self._admitted = admitted
+        self._admitted = (
+            self._range if np.array_equal(admitted, self._range) else admitted
+        )
         limits = drake_vector(admitted[0]), drake_vector(admitted[1])
         for parameters in (self._parameters, self._unbounded):
             parameters.set_joint_position_limits(limits)

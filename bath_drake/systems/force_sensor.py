@@ -1,5 +1,7 @@
 """A simulated force sensor at the nozzle: the contact's wrench, bias and noise."""
 
+from functools import lru_cache
+
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
@@ -7,6 +9,8 @@ from bath_drake.notation import FloatArray
 from bath_drake.systems._ports import drake_vector, eval_vector
 
 _STREAM = 6
+# Measurements whose noise is drawn at once: a generator takes longer than its numbers.
+_BLOCK = 256
 
 
 class ForceSensor(LeafSystem):
@@ -63,6 +67,7 @@ class ForceSensor(LeafSystem):
         drawn = np.random.default_rng([seed, _STREAM]).standard_normal(3)
         self._bias = np.concatenate([np.zeros(3), force_bias * drawn])
         self._contact = self.DeclareVectorInputPort("contact_wrench", 6)
+        self._block = lru_cache(maxsize=2)(self._drawn)
         self._scale = np.repeat([torque_noise, force_noise], 3)
         state = self.DeclareDiscreteState(
             drake_vector(self._measured(0.0, np.zeros(6)))
@@ -73,10 +78,15 @@ class ForceSensor(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._measure)
 
     def _measured(self, t: float, wrench: FloatArray) -> FloatArray:
-        # Of time alone: the same run has the same noise, wherever it begins.
-        rng = np.random.default_rng([self._seed, _STREAM, round(t / self._period)])
-        noise = self._scale * rng.standard_normal(6)
+        block, k = divmod(round(t / self._period), _BLOCK)
+        noise = self._scale * self._block(block)[k]
         return np.concatenate([[t], wrench + self._bias + noise])
+
+    def _drawn(self, block: int) -> FloatArray:
+        """Numbers (_BLOCK, 6) of a block of measurements, standard normal."""
+        # Of time alone: the same run has the same noise, wherever it begins.
+        rng = np.random.default_rng([self._seed, _STREAM, block])
+        return rng.standard_normal((_BLOCK, 6))
 
     def _measure(self, context: Context, state: DiscreteValues) -> None:
         wrench = np.zeros(6)

@@ -25,6 +25,8 @@ from bath_drake.systems._guard_outputs import declare_guard_outputs
 from bath_drake.systems._ports import drake_vector, eval_vector, set_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
+_ORIGIN = drake_vector([0.0, 0.0, 0.0])
+
 
 class JointGuard(LeafSystem):
     """Passes a checked joint command, brakes, or retreats along the normal.
@@ -94,6 +96,7 @@ class JointGuard(LeafSystem):
         )
         self._check_within(home)
         self._frame = plant.GetFrameByName(NOZZLE_FRAME)
+        self._world: Any = plant.world_frame()
         # A scratch pad, written before every use: it remembers nothing.
         self._scratch = plant.CreateDefaultContext()
         # A function of q alone, asked for by the update and again by who logs or plans.
@@ -101,8 +104,8 @@ class JointGuard(LeafSystem):
         self._command = self.DeclareVectorInputPort("joint_command", 14)
         self._facts = FactPorts(self)
         start = JointTick(emitted=Emitted.at_rest(home))
-        self._state = self.DeclareAbstractState(Value[object](start))
-        ticket = self.abstract_state_ticket(self._state)
+        index = self.DeclareAbstractState(Value[object](start))
+        self._state, ticket = int(index), self.abstract_state_ticket(index)
         for name, size, calc in (
             ("checked_command", 14, self._calc_command),
             ("hold", 1, self._calc_hold),
@@ -116,7 +119,7 @@ class JointGuard(LeafSystem):
 
     def last_tick(self, context: Any) -> JointTick:
         """Returns what the last update came to, from this system's own `context`."""
-        tick: JointTick = context.get_abstract_state(int(self._state)).get_value()
+        tick: JointTick = context.get_abstract_state(self._state).get_value()
         return tick
 
     def set_command(self, context: Any, q: FloatArray) -> None:
@@ -127,7 +130,7 @@ class JointGuard(LeafSystem):
         """
         self._check_within(q)
         tick = JointTick(emitted=Emitted.at_rest(q))
-        context.get_mutable_abstract_state(int(self._state)).set_value(tick)
+        context.get_mutable_abstract_state(self._state).set_value(tick)
 
     def _check_within(self, q: FloatArray) -> None:
         low, high = self._joints.low, self._joints.high
@@ -149,7 +152,7 @@ class JointGuard(LeafSystem):
             dt=self._limits.loop.period,
             limits=self._limits,
         )
-        state.get_mutable_abstract_state(int(self._state)).set_value(tick)
+        state.get_mutable_abstract_state(self._state).set_value(tick)
         return EventStatus.Succeeded()
 
     def _kinematics(self, q: bytes) -> tuple[FloatArray, float]:
@@ -159,22 +162,15 @@ class JointGuard(LeafSystem):
 
     def _jacobians(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The nozzle's (6, 7) at q, in W and in E."""
-        plant, scratch = self._plant, self._scratch
+        plant, scratch, world = self._plant, self._scratch, self._world
         plant.SetPositions(scratch, drake_vector(q))
-        world: Any = plant.world_frame()
-        J_W = np.array(
-            plant.CalcJacobianSpatialVelocity(
-                scratch,
-                JacobianWrtVariable.kV,
-                self._frame,
-                drake_vector(np.zeros(3)),
-                world,
-                world,
-            )
+        J_W: Any = plant.CalcJacobianSpatialVelocity(
+            scratch, JacobianWrtVariable.kV, self._frame, _ORIGIN, world, world
         )
-        R_WE = np.array(self._frame.CalcRotationMatrixInWorld(scratch).matrix())
-        J_E = np.vstack([R_WE.T @ J_W[:3], R_WE.T @ J_W[3:]])
-        return J_W, J_E
+        R_WE = self._frame.CalcRotationMatrixInWorld(scratch).matrix()
+        # Both parts, angular and of the tip, one after the other.
+        J_E = (R_WE.T @ J_W.reshape(2, 3, 7)).reshape(6, 7)
+        return np.ascontiguousarray(J_W), J_E
 
     def _calc_command(self, context: Context, output: BasicVector) -> None:
         set_vector(output, self.last_tick(context).emitted.vector())

@@ -139,7 +139,7 @@ class SurfaceReference(LeafSystem):
             observation = eval_value(self._observation, context, BodyObservation)
             age = context.get_time() - observation.stamp
             velocity = eval_vector(self._velocity, context)
-            patch = moved_patch(patch, velocity, float(np.clip(age, 0.0, HORIZON_S)))
+            patch = moved_patch(patch, velocity, min(max(age, 0.0), HORIZON_S))
         output.set_value(patch)
 
     def _calc_pose(self, context: Any, output: Any) -> None:

@@ -17,6 +17,7 @@ from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
     facing_along,
+    normals_at,
     pixel_normals,
 )
 from bath_drake.perception.skin_colour import LEAST_BRIGHTNESS, skin_deviations
@@ -148,6 +149,9 @@ def test_pixels_facing_an_axis_are_those_whose_normals_do(rng, limit):
     mask = rng.random(points.shape[:2]) < 0.9
     axis = np.array([0.6, 0.0, -0.8])
     expected = mask & (pixel_normals(points, mask, 3) @ axis > limit)
+    some = np.flatnonzero(mask)[::4]
+    whole = pixel_normals(points, mask, 3).reshape(-1, 3)
+    np.testing.assert_array_equal(normals_at(points, mask, 3, some), whole[some])
     seen = np.linalg.norm(pixel_normals(points, mask, 3), axis=-1) > 0.0
     facing = facing_along(points, mask, 3, axis, limit)
     np.testing.assert_array_equal(facing[seen], expected[seen])

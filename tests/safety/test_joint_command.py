@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from bath_drake.safety._joint_steps import singular_value_ratio, stoppable
 from bath_drake.safety.joint_command import (
     Emitted,
     JointRange,
@@ -10,7 +11,6 @@ from bath_drake.safety.joint_command import (
     check_joint_command,
     condition_number,
     retreat_step,
-    stoppable_speed,
 )
 from bath_drake.safety.limits import GuardLimits
 from bath_drake.safety.reasons import Reason
@@ -146,7 +146,7 @@ def test_braking_ends_at_rest_within_the_way_it_is_said_to_take():
 
 def test_from_the_stoppable_speed_a_step_and_the_brake_take_the_whole_way():
     way = np.array([0.0, 1e-6, 0.01, 1.0])
-    v = stoppable_speed(way, np.full(4, 10.0), DT)
+    v = np.array([stoppable(w, 10.0, DT) for w in way])
     # The root of a sum less a part of it: 1e-16 of 0.05 remains.
     np.testing.assert_allclose(DT * v + v**2 / 20.0, way, atol=1e-15)
 
@@ -201,3 +201,24 @@ def test_the_condition_number_leaves_the_turn_about_the_jet_out():
 def test_a_range_is_seven_finite_numbers_in_order(low, high):
     with pytest.raises(ValueError, match="low"):
         JointRange(low, high)
+
+
+@pytest.mark.parametrize("least", [1.0, 0.3, 1e-2, 1e-5])
+def test_the_ratio_of_singular_values_is_what_lapack_says(least, rng):
+    for _ in range(50):
+        u, _ = np.linalg.qr(rng.normal(size=(5, 5)))
+        v, _ = np.linalg.qr(rng.normal(size=(7, 7)))
+        values = np.sort(rng.uniform(least, 1.0, size=5))
+        values[0], values[-1] = least, 1.0
+        rows = np.ascontiguousarray((u * values) @ v[:5])
+        expected = np.linalg.cond(rows)
+        # LAPACK's least value is good to the greatest's rounding.
+        assert singular_value_ratio(rows) == pytest.approx(expected, rel=1e-14 / least)
+
+
+def test_rows_that_say_the_same_are_as_good_as_singular(rng):
+    rows = rng.normal(size=(5, 7))
+    rows[3] = 2.0 * rows[1] - rows[0]
+    assert singular_value_ratio(rows) > 1e14
+    rows[3] = 0.0
+    assert singular_value_ratio(rows) == np.inf
