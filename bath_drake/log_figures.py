@@ -9,8 +9,11 @@ from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.parameters import unpack_field
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
+from bath_drake.reach.kinematics import ArmModel
 from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.limits import JOINTS
 from bath_drake.safety.reasons import Reason
+from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
 
 
@@ -83,6 +86,19 @@ def hold_counts(log: SimulationLog) -> dict[str, int]:
         for reason, count in zip(HoldReason, log.hold_counts, strict=True)
         if reason is not HoldReason.NONE
     }
+
+
+def nozzle_jerk(log: SimulationLog, scenario: Scenario) -> FloatArray:
+    """The jerk's size of the nozzle's tip, as the guard emitted it, (T - 3,), m/s^3.
+
+    Mean ones over the log's steps: third differences of places.
+    """
+    if len(log.time) < 4:
+        return np.zeros(0)
+    arm = ArmModel.of(scenario.scene.arm)
+    step = float(np.median(np.diff(log.time)))
+    tips = np.array([arm.nozzle(row[:JOINTS])[0] for row in log.checked_command])
+    return np.asarray(np.linalg.norm(np.diff(tips, 3, axis=0), axis=1) / step**3)
 
 
 def least(values: FloatArray | None) -> float | None:

@@ -37,6 +37,8 @@ class ControlConfig:
     standoff: float = 0.06  # m, nozzle tip off the skin
     far_standoff: float = 0.14  # m, where it lines up first
     approach_speed: float = 0.05  # m/s along the normal, at most 0.05
+    approach_acceleration: float = 0.25  # m/s^2 along the normal, at most 1
+    approach_jerk: float = 2.5  # m/s^3 along the normal, at most 20
     max_frame_age: float = MAX_FRAME_AGE  # s
     min_clearance: float = 0.02  # m, nozzle tip off the seen skin
     force: float = 4.0  # N, along the normal, at most 5; where skin can be touched
@@ -100,6 +102,8 @@ _RANGES: dict[str, dict[str, tuple[float, float]]] = {
         "standoff": (0.03, 0.2),
         "far_standoff": (0.03, 0.3),
         "approach_speed": (1e-3, 0.05),
+        "approach_acceleration": (1e-2, 1.0),
+        "approach_jerk": (1e-2, 20.0),
         "max_frame_age": (0.01, 0.5),
         "min_clearance": (0.005, 0.1),
         "goal_tolerance": (1e-4, 0.1),
@@ -179,6 +183,8 @@ def approach_limits(scenario: Scenario) -> ApproachLimits:
         far_standoff=control.far_standoff,
         standoff=control.standoff,
         speed=control.approach_speed,
+        acceleration=control.approach_acceleration,
+        jerk=control.approach_jerk,
     )
 
 

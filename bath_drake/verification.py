@@ -31,6 +31,7 @@ from bath_drake.log_figures import (
     least_beta,
     mean_max,
     most,
+    nozzle_jerk,
     stage_figures,
 )
 from bath_drake.notation import FloatArray, IntArray
@@ -185,6 +186,7 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
         "force": force,
         "touched_skin_mm": touched,
         "speed_m_per_s": mean_max(speed),
+        "nozzle_jerk_m_per_s3": mean_max(nozzle_jerk(log, scenario)),
         "washed_off_the_body": int(np.count_nonzero(~met)),
         "restricted_entries": _entries(clearance) + made_up_entries,
         "restricted_min_clearance_mm": least(clearance),

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from bath_drake.control.skin_speed import SKIN_SPEED, WashedPoint, within_skin_speed
+from bath_drake.control.smooth_twist import next_smooth
 from bath_drake.notation import FloatArray
 
 
@@ -19,7 +21,8 @@ class TrackingConfig:
     The gain takes the position error away within some 1/gain seconds. The feed-
     forward is the desired pose's own velocity, low-pass filtered, so that a pose
     that moves steadily is followed without a lag, while a jump of the pose moves
-    the nozzle only at the gain's pace and within the limits.
+    the nozzle only at the gain's pace and within the limits. The velocity that comes of
+    both is approached with four times the gain, critically damped.
     """
 
     gain: float = 20.0  # 1/s
@@ -28,6 +31,9 @@ class TrackingConfig:
     angular_speed: float = 1.0  # rad/s
     acceleration: float = 2.5  # m/s^2
     angular_acceleration: float = 20.0  # rad/s^2
+    jerk: float = 100.0  # m/s^3
+    angular_jerk: float = 800.0  # rad/s^3
+    skin_speed: float = SKIN_SPEED  # m/s, of the washed point along the skin
 
     def __post_init__(self) -> None:
         """Raises ValueError unless every number is positive and finite."""
@@ -172,34 +178,55 @@ def _feed_forward(
 
 def next_twist(
     previous: FloatArray,
+    acceleration: FloatArray,
     error: FloatArray,
     feed_forward: FloatArray,
     config: TrackingConfig,
     dt: float,
-) -> FloatArray:
-    """Returns the spatial velocity (6,) to command next.
+    washed: WashedPoint | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Returns the spatial velocity (6,) to command next, and its acceleration (6,).
 
     Args:
         previous: (6,) the one commanded last.
+        acceleration: (6,) its own, rad/s^2 and m/s^2.
         error: (6,) from the commanded to the desired pose.
         feed_forward: (6,) of `next_feed_forward`.
         config: Gains and limits.
         dt: s.
+        washed: What is to go along the skin no faster than `config.skin_speed`.
     """
-    bounds = config.angular_speed, config.speed
-    changes = config.angular_acceleration * dt, config.acceleration * dt
-    return _twist(previous, error, feed_forward, config.gain, bounds, changes)
+    towards = together(config.gain * error, config.angular_speed, config.speed)
+    wanted = limited(feed_forward + towards, config.angular_speed, config.speed)
+    if washed is not None:
+        wanted = within_skin_speed(wanted, washed, config.skin_speed)
+    twist, after = np.empty(6), np.empty(6)
+    for part, bounds in (
+        (
+            slice(0, 3),
+            (config.angular_speed, config.angular_acceleration, config.angular_jerk),
+        ),
+        (slice(3, 6), (config.speed, config.acceleration, config.jerk)),
+    ):
+        twist[part], after[part] = next_smooth(
+            previous[part],
+            acceleration[part],
+            wanted[part],
+            bounds=bounds,
+            rate=4.0 * config.gain,
+            dt=dt,
+        )
+    return twist, after
 
 
-@njit(cache=True)
-def _twist(
-    previous: FloatArray,
-    error: FloatArray,
-    feed_forward: FloatArray,
-    gain: float,
-    bounds: tuple[float, float],
-    changes: tuple[float, float],
-) -> FloatArray:
-    towards = together(gain * error, bounds[0], bounds[1])
-    wanted = limited(feed_forward + towards, bounds[0], bounds[1])
-    return previous + limited(wanted - previous, changes[0], changes[1])
+def gentler(asked: FloatArray, done: FloatArray) -> FloatArray:
+    """Returns of two accelerations (6,) the smaller one, each part for itself.
+
+    A motion that the joints' limits slowed down goes on from what it really does, and
+    one that they braked hard is not braked further for its own smoothness' sake.
+    """
+    chosen = asked.copy()
+    for part in (slice(0, 3), slice(3, 6)):
+        if np.linalg.norm(done[part]) < np.linalg.norm(asked[part]):
+            chosen[part] = done[part]
+    return chosen

@@ -5,6 +5,7 @@ too, the faster the farther away it is: noise in a normal of the skin moves it.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,23 +16,33 @@ from bath_drake.perception.quadric import cross
 SKIN_SPEED = 0.085
 
 
-def along_skin(twist: FloatArray, p_ES_W: FloatArray, skin: FloatArray) -> FloatArray:
+@dataclass(frozen=True, eq=False)
+class WashedPoint:
+    """Where the jet meets the skin, and what the skin does there.
+
+    Attributes:
+        p_ES_W: (3,) from the nozzle E along the jet to the skin, m, not zero.
+        skin: (6,) how the skin turns and moves by itself, rad/s and m/s in W.
+    """
+
+    p_ES_W: FloatArray
+    skin: FloatArray
+
+
+def along_skin(twist: FloatArray, washed: WashedPoint) -> FloatArray:
     """Returns the velocity (3,) of the washed point along the skin, m/s in W.
 
     Args:
         twist: (6,) spatial velocity of the nozzle E, rad/s and m/s in W.
-        p_ES_W: (3,) from E along the jet to the skin, m, not zero.
-        skin: (6,) how the skin at S turns and moves by itself, rad/s and m/s in W.
+        washed: Where it washes.
     """
-    relative = cross(twist[:3], p_ES_W) + twist[3:] - skin[3:]
-    return np.asarray(relative - _part_along(p_ES_W, relative))
+    p_ES = washed.p_ES_W
+    relative = cross(twist[:3], p_ES) + twist[3:] - washed.skin[3:]
+    return np.asarray(relative - _part_along(p_ES, relative))
 
 
 def within_skin_speed(
-    twist: FloatArray,
-    p_ES_W: FloatArray,
-    skin: FloatArray,
-    bound: float = SKIN_SPEED,
+    twist: FloatArray, washed: WashedPoint, bound: float = SKIN_SPEED
 ) -> FloatArray:
     """Returns the twist (6,) whose washed point goes along the skin within the bound.
 
@@ -41,17 +52,17 @@ def within_skin_speed(
 
     Args:
         twist: (6,) spatial velocity of the nozzle E, rad/s and m/s in W.
-        p_ES_W: (3,) from E along the jet to the skin, m, not zero.
-        skin: (6,) how the skin at S turns and moves by itself, rad/s and m/s in W.
+        washed: Where it washes.
         bound: m/s, greater than zero.
     """
-    speed = math.hypot(*along_skin(twist, p_ES_W, skin).tolist())
+    speed = math.hypot(*along_skin(twist, washed).tolist())
     if speed <= bound:
         return twist
     # What a nozzle fixed to the skin would do.
-    carried = np.concatenate([skin[:3], skin[3:] - cross(skin[:3], p_ES_W)])
+    p_ES, skin = washed.p_ES_W, washed.skin
+    carried = np.concatenate([skin[:3], skin[3:] - cross(skin[:3], p_ES)])
     relative = twist - carried
-    straight = np.concatenate([np.zeros(3), _part_along(p_ES_W, relative[3:])])
+    straight = np.concatenate([np.zeros(3), _part_along(p_ES, relative[3:])])
     return np.asarray(carried + straight + (relative - straight) * (bound / speed))
 
 

@@ -5,6 +5,7 @@ Positions, velocities and accelerations are (n,) in rad, rad/s and rad/s^2, Jaco
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -36,13 +37,13 @@ def is_small(values: FloatArray) -> bool:
 
 
 @compiled
-def stoppable(way: float, acceleration: float, dt: float) -> float:
+def stoppable(way: Any, acceleration: Any, dt: float) -> Any:
     """The speed from which, after one more step, one stops within `way` >= 0.
 
-    It solves dt v + v^2 / (2 a) = way.
+    It solves dt v + v^2 / (2 a) = way, elementwise.
     """
     step = acceleration * dt
-    return math.sqrt(step * step + 2.0 * acceleration * way) - step
+    return np.sqrt(step * step + 2.0 * acceleration * way) - step
 
 
 @compiled

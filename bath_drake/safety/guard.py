@@ -26,7 +26,7 @@ from bath_drake.safety.facts import (
     present_reasons,
     remember,
 )
-from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.limits import GuardLimits, retreat_way
 from bath_drake.safety.reasons import RESPONSES, Mode, Reason
 
 
@@ -109,7 +109,7 @@ def guard_step(
     dwelt = facts.now - well_since >= limits.loop.resume_time - ROUNDING
     if state.mode is Mode.RETREAT:
         retreated += elapsed
-    way = limits.nozzle.retreat_distance / limits.nozzle.approach_speed
+    way = retreat_way(limits).seconds
     retreats = normal is not None and retreated < way - ROUNDING
 
     if wanted is Mode.STOP or (state.mode is Mode.STOP and not was_reset):

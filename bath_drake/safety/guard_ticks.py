@@ -122,7 +122,13 @@ def joint_tick(
         checked = CheckedJoints(None, decision.reason)
         if decision.normal_W is not None:
             checked = retreat_step(
-                jacobian, decision.normal_W, last, joints=joints, dt=dt, limits=limits
+                jacobian,
+                decision.normal_W,
+                last,
+                seconds=state.retreated,
+                joints=joints,
+                dt=dt,
+                limits=limits,
             )
     elif decision.mode is not Mode.PASS:
         checked = CheckedJoints(None, decision.reason)

@@ -17,9 +17,10 @@ from bath_drake.safety._joint_steps import (
     next_velocity,
     refusal,
     singular_value_ratio,
+    stoppable,
 )
 from bath_drake.safety.facts import Vector
-from bath_drake.safety.limits import JOINTS, GuardLimits
+from bath_drake.safety.limits import JOINTS, GuardLimits, retreat_way
 from bath_drake.safety.reasons import Reason
 
 # Damping of the Jacobian's inverse, of the size of its singular values near a
@@ -129,17 +130,22 @@ def retreat_step(
     normal_W: Vector,
     last: Emitted,
     *,
+    seconds: float,
     joints: JointRange,
     dt: float,
     limits: GuardLimits,
 ) -> CheckedJoints:
     """One step of the nozzle along the normal, without turning.
 
+    The speed asked for out comes from nothing, smoothly, and what the nozzle did before
+    is braked meanwhile as hard as the joints' limits allow.
+
     Args:
         jacobian: (6, 7) of the nozzle at the last emitted position: angular rows
             (rad/rad) first, then the tip's (m/rad), in W.
         normal_W: Outward, unit, in W.
         last: What was emitted at the last tick.
+        seconds: For how long it has retreated, s.
         joints: The range, the margin taken off.
         dt: The step, s.
         limits: What to keep to.
@@ -148,7 +154,7 @@ def retreat_step(
     if not _is_jacobian(J):
         return CheckedJoints(None, Reason.FACT_NOT_FINITE)
     twist = np.zeros(6)
-    twist[3:] = limits.nozzle.approach_speed * np.array(normal_W)
+    twist[3:] = retreat_way(limits).mean_speed(seconds, dt) * np.array(normal_W)
     v = J.T @ np.linalg.solve(J @ J.T + _DAMPING**2 * np.eye(6), twist)
     return _towards(v, J, last, joints, dt, limits)
 
@@ -172,6 +178,13 @@ def condition_number(jacobian_E: ArrayLike) -> float:
     if not _is_jacobian(J):
         return float("nan")
     return float(singular_value_ratio(J[_FOLLOWED]))
+
+
+def stoppable_speed(
+    way: FloatArray, acceleration: FloatArray | float, dt: float
+) -> FloatArray:
+    """The speed (n,) from which, after one more step, one stops within `way` >= 0."""
+    return np.asarray(stoppable(way, acceleration, dt))
 
 
 def can_brake(

@@ -7,6 +7,7 @@ from typing import Any
 
 from bath_drake.errors import LimitsError
 from bath_drake.resources import models_folder
+from bath_drake.safety.smooth_way import SmoothWay
 from bath_drake.schema import fill
 from bath_drake.yaml_block import Block
 from bath_drake.yaml_io import dump_yaml, read_yaml
@@ -29,6 +30,8 @@ class NozzleLimits:
     speed: float = 0.15  # m/s in any direction
     approach_speed: float = 0.05  # m/s along the normal, also when it retreats
     retreat_distance: float = 0.08  # m
+    retreat_acceleration: float = 2.5  # m/s^2
+    retreat_jerk: float = 250.0  # m/s^3
     clearance: float = 0.04  # m off the skin; nearer, it retreats
 
 
@@ -107,6 +110,9 @@ _RANGES: dict[str, dict[str, tuple[float, float | tuple[float, ...]]]] = {
         "speed": (1e-3, 0.25),
         "approach_speed": (1e-3, 0.05),
         "retreat_distance": (0.01, 0.3),
+        # Gentler ones would keep the nozzle near the skin.
+        "retreat_acceleration": (1.0, 10.0),
+        "retreat_jerk": (50.0, 1e4),
         "clearance": (0.0, 0.2),
     },
     "frames": {
@@ -144,6 +150,17 @@ _ASCENDING = (
     ("joints", "condition_slow", "condition_stop"),
     ("force", "retreat", "stop"),
 )
+
+
+def retreat_way(limits: GuardLimits) -> SmoothWay:
+    """Returns the nozzle's way along the normal when it retreats."""
+    nozzle = limits.nozzle
+    return SmoothWay(
+        distance=nozzle.retreat_distance,
+        speed=nozzle.approach_speed,
+        acceleration=nozzle.retreat_acceleration,
+        jerk=nozzle.retreat_jerk,
+    )
 
 
 def _check(key: str, value: Any, low: float, high: Any) -> None:

@@ -13,15 +13,19 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from bath_drake.control.approach import Phase
 from bath_drake.control.pose_tracking import (
     TrackingConfig,
     across_jet,
+    gentler,
     is_pose,
     jet_difference,
     next_feed_forward,
     next_twist,
 )
+from bath_drake.control.skin_speed import WashedPoint
 from bath_drake.notation import FloatArray
+from bath_drake.safety.joint_command import stoppable_speed
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
@@ -32,7 +36,8 @@ _Q, _V = slice(0, 7), slice(7, 14)
 _TWIST, _FEED_FORWARD = slice(14, 20), slice(20, 26)
 _DESIRED = slice(26, 38)  # the last desired pose, rows of [R | p]; NaN-free
 _SEEN, _STATUS, _FAILURES = 38, 39, 40
-_SIZE = 41
+_ACCELERATION = slice(41, 47)  # of the twist
+_SIZE = 47
 
 
 class DifferentialIk(LeafSystem):
@@ -45,6 +50,9 @@ class DifferentialIk(LeafSystem):
         - desired_nozzle_pose
         - hold
         - emitted_command (optional)
+        - phase (optional)
+        - standoff (optional)
+        - surface_velocity (optional)
         output_ports:
         - joint_command
         - ik_status
@@ -56,10 +64,14 @@ class DifferentialIk(LeafSystem):
     held, or without a usable pose or a solution, q stays and v is zero: nothing that is
     not finite ever leaves. Discrete state, updated with the period `time_step`.
 
+    With `phase`, a `bath_drake.control.approach.Phase`, `standoff` (1), m, and the
+    skin's own `surface_velocity` (6), rad/s and m/s in W, the washed point goes along
+    the skin no faster than the tracking's `skin_speed`, from where it comes down on.
+
     The turn about the jet is not followed: a round jet has no roll, and free it keeps
     the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the
     direction of the wanted velocity and stays within joint limits; the pose error is
-    turned into that velocity with a bounded gain, speed and acceleration.
+    turned into that velocity with a bounded gain, speed, acceleration and jerk.
     """
 
     def __init__(
@@ -122,6 +134,8 @@ class DifferentialIk(LeafSystem):
         self._scratch = plant.CreateDefaultContext()
         self._acceleration = joint_acceleration
         self._range = self._admitted = low, high
+        self._speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
+        self._speeds = self._speed, self._speed
         self._unbounded = _parameters(
             plant, posture, (low, high), time_step, speed_fraction, centering_gain
         )
@@ -135,6 +149,9 @@ class DifferentialIk(LeafSystem):
         )
         self._hold = self.DeclareVectorInputPort("hold", 1)
         self._emitted = self.DeclareVectorInputPort("emitted_command", 14)
+        self._phase = self.DeclareVectorInputPort("phase", 1)
+        self._standoff = self.DeclareVectorInputPort("standoff", 1)
+        self._surface_velocity = self.DeclareVectorInputPort("surface_velocity", 6)
         start = np.zeros(_SIZE)
         start[_Q] = home
         state = self.DeclareDiscreteState(drake_vector(start))
@@ -165,10 +182,25 @@ class DifferentialIk(LeafSystem):
         elif not is_pose(R, p):
             state = _at_rest(state, STATUS_STUCK)
         else:
-            state = self._step(state, R, p)
+            state = self._step(state, R, p, self._near_skin(context))
         discrete_state.set_value(drake_vector(state))
 
-    def _step(self, state: FloatArray, R_d: FloatArray, p_d: FloatArray) -> FloatArray:
+    def _near_skin(self, context: Context) -> tuple[float, FloatArray] | None:
+        """Stand-off and skin's own velocity; None while the nozzle is far away."""
+        if not self._phase.HasValue(context):
+            return None
+        if eval_vector(self._phase, context)[0] < Phase.DESCEND:
+            return None
+        (standoff,) = eval_vector(self._standoff, context)
+        return standoff, eval_vector(self._surface_velocity, context)
+
+    def _step(
+        self,
+        state: FloatArray,
+        R_d: FloatArray,
+        p_d: FloatArray,
+        near_skin: tuple[float, FloatArray] | None,
+    ) -> FloatArray:
         dt, tracking = self._time_step, self._tracking
         self._plant.SetPositions(self._scratch, drake_vector(state[_Q]))
         self._plant.SetVelocities(self._scratch, drake_vector(state[_V]))
@@ -180,7 +212,18 @@ class DifferentialIk(LeafSystem):
             moved = jet_difference(last[:, :3], last[:, 3], R_d, p_d)
             feed_forward = next_feed_forward(state[_FEED_FORWARD], moved, tracking, dt)
         error = jet_difference(R, p, R_d, p_d)
-        twist = next_twist(state[_TWIST], error, feed_forward, tracking, dt)
+        washed = None
+        if near_skin is not None:
+            washed = WashedPoint(near_skin[0] * R[:, 2], near_skin[1])
+        twist, acceleration = next_twist(
+            state[_TWIST],
+            state[_ACCELERATION],
+            error,
+            feed_forward,
+            tracking,
+            dt,
+            washed,
+        )
         self._admit(state[_Q])
         v = self._solve(state[_V], twist)
         if v is None:
@@ -191,6 +234,8 @@ class DifferentialIk(LeafSystem):
         # What the joints really do: the solver may have slowed the motion down. They
         # turn about the jet as they like.
         after[_TWIST] = across_jet(self._spatial_velocity(v), R)
+        done = (after[_TWIST] - state[_TWIST]) / dt
+        after[_ACCELERATION] = gentler(acceleration, done)
         after[_FEED_FORWARD] = feed_forward
         after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
         after[_SEEN], after[_STATUS] = 1.0, STATUS_OK
@@ -202,6 +247,7 @@ class DifferentialIk(LeafSystem):
         From beyond a limit no motion within it begins, not even the one back.
         """
         low, high = self._range
+        self._slow_down(q)
         if self._admitted is self._range and (q >= low).all() and (q <= high).all():
             return
         admitted = np.minimum(low, q), np.maximum(high, q)
@@ -213,6 +259,20 @@ class DifferentialIk(LeafSystem):
         limits = drake_vector(admitted[0]), drake_vector(admitted[1])
         for parameters in (self._parameters, self._unbounded):
             parameters.set_joint_position_limits(limits)
+
+    def _slow_down(self, q: FloatArray) -> None:
+        """Bounds the speed towards each end of the range by what stops there."""
+        low, high = self._range
+        ways = np.maximum(np.stack([q - low, high - q]), 0.0)
+        stopping = stoppable_speed(ways, self._acceleration, self._time_step)
+        down, up = np.minimum(self._speed, stopping)
+        slowest, fastest = self._speeds
+        if np.array_equal(down, slowest) and np.array_equal(up, fastest):
+            return
+        self._speeds = down, up
+        limits = drake_vector(-down), drake_vector(up)
+        for parameters in (self._parameters, self._unbounded):
+            parameters.set_joint_velocity_limits(limits)
 
     def _solve(self, v_last: FloatArray, twist: FloatArray) -> FloatArray | None:
         """Returns joint velocities (7,), or None where there are none."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from bath_drake.safety.facts import GuardFacts, Memory, remember
 from bath_drake.safety.guard import GuardState, gravest, guard_step
-from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.limits import GuardLimits, retreat_way
 from bath_drake.safety.reasons import RESPONSES, Mode, Reason
 
 LIMITS = GuardLimits()
@@ -216,7 +216,7 @@ def test_a_reset_held_from_the_start_is_none():
 
 def test_a_retreat_goes_its_whole_way_and_ends_in_a_hold_that_needs_a_reset(run):
     assert run.tick(body_speed=1.0) is Mode.RETREAT
-    way = LIMITS.nozzle.retreat_distance / LIMITS.nozzle.approach_speed
+    way = retreat_way(LIMITS).seconds
     modes = run.ticks(way - 2 * DT)
     assert set(modes) == {Mode.RETREAT}  # though all is well again
     assert run.decision.normal_W == NORMAL
@@ -228,7 +228,7 @@ def test_a_retreat_goes_its_whole_way_and_ends_in_a_hold_that_needs_a_reset(run)
 def test_a_reset_during_a_retreat_does_not_shorten_it_nor_skip_the_hold(run):
     run.tick(body_speed=1.0)
     run.tick(reset=True)
-    way = LIMITS.nozzle.retreat_distance / LIMITS.nozzle.approach_speed
+    way = retreat_way(LIMITS).seconds
     modes = run.ticks(way + 0.1)
     first = modes.index(Mode.HOLD)
     assert set(modes[:first]) == {Mode.RETREAT}

@@ -231,7 +231,13 @@ class JointGuardMachine(_Guarded):
         elif mode is Mode.RETREAT:
             normal = self.tick.state.normal_W
             expected = retreat_step(
-                self.used, normal, last, joints=JOINTS, dt=DT, limits=LIMITS
+                self.used,
+                normal,
+                last,
+                seconds=self.tick.state.retreated,
+                joints=JOINTS,
+                dt=DT,
+                limits=LIMITS,
             ).emitted
         else:
             expected = None

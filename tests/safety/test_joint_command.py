@@ -12,7 +12,7 @@ from bath_drake.safety.joint_command import (
     condition_number,
     retreat_step,
 )
-from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.limits import GuardLimits, retreat_way
 from bath_drake.safety.reasons import Reason
 
 LIMITS = GuardLimits()
@@ -155,12 +155,58 @@ def jacobian(seed=3):
     return np.random.default_rng(seed).normal(size=(6, 7))
 
 
+UP = (0.0, 0.0, 1.0)
+
+
+def retreated(last, ticks):
+    """The tip's velocities (ticks + 1, 3) of an arm of one metre all over."""
+    J, tips = np.eye(6, 7), []
+    tips.append(J[3:] @ last.v)
+    for k in range(ticks):
+        last = retreat_step(
+            J, UP, last, seconds=k * DT, joints=JOINTS, dt=DT, limits=LIMITS
+        ).emitted
+        tips.append(J[3:] @ last.v)
+    return np.array(tips)
+
+
+def test_a_retreat_begins_at_once_and_smoothly_and_ends_smoothly():
+    way = retreat_way(LIMITS)
+    ticks = int(np.ceil(way.seconds / DT))
+    v = np.vstack([np.zeros((2, 3)), retreated(REST, ticks)])
+    assert v[3, 2] > 0.0  # within the first tick
+    acceleration = np.diff(v, axis=0) / DT
+    jerk = np.diff(acceleration, axis=0) / DT
+    # 1e-6: rounding over the step twice. At once it would be 0.05 / DT^2 = 2000.
+    assert np.abs(acceleration).max() <= LIMITS.nozzle.retreat_acceleration + 1e-6
+    assert np.abs(jerk).max() <= LIMITS.nozzle.retreat_jerk + 1e-6
+    # The damped inverse goes a 400th slower.
+    assert DT * v[:, 2].sum() == pytest.approx(way.distance, rel=0.003)
+    assert v[-1, 2] == pytest.approx(0.0, abs=LIMITS.nozzle.retreat_jerk * DT**2)
+
+
+def test_what_goes_in_is_braked_as_hard_as_the_joints_allow_when_it_retreats():
+    towards = np.zeros(7)
+    towards[5] = -0.1
+    v = retreated(Emitted(np.zeros(7), towards), 4)[:, 2]
+    hardest = -0.1 + DT * 10.0 * np.arange(3)
+    # As hard as if it were held: smooth is what follows.
+    np.testing.assert_allclose(v[:2], hardest[:2], atol=1e-12)
+    assert v[2] >= -1e-12
+
+
 def test_a_retreat_goes_along_the_normal_without_turning():
     normal = (0.0, 0.6, 0.8)
     last = REST
-    for _ in range(40):
+    for k in range(40):
         last = retreat_step(
-            jacobian(), normal, last, joints=JOINTS, dt=DT, limits=LIMITS
+            jacobian(),
+            normal,
+            last,
+            seconds=k * DT,
+            joints=JOINTS,
+            dt=DT,
+            limits=LIMITS,
         ).emitted
     twist = jacobian() @ last.v
     # The damping takes a little of the speed, and turns it by as little.
@@ -171,7 +217,7 @@ def test_a_retreat_goes_along_the_normal_without_turning():
 
 @pytest.mark.parametrize("bad", [np.full((6, 7), np.nan), np.full((6, 7), 1e300)])
 def test_without_a_jacobian_there_is_no_step(bad):
-    step = retreat_step(bad, (0.0, 0.0, 1.0), REST, joints=JOINTS, dt=DT, limits=LIMITS)
+    step = retreat_step(bad, UP, REST, seconds=0.1, joints=JOINTS, dt=DT, limits=LIMITS)
     assert step.emitted is None
     assert step.reason is Reason.FACT_NOT_FINITE
 
@@ -180,7 +226,7 @@ def test_at_a_singularity_a_retreat_stays_slow():
     flat = np.zeros((6, 7))
     flat[3, 0] = 1e-9
     step = retreat_step(
-        flat, (1.0, 0.0, 0.0), REST, joints=JOINTS, dt=DT, limits=LIMITS
+        flat, (1.0, 0.0, 0.0), REST, seconds=0.1, joints=JOINTS, dt=DT, limits=LIMITS
     )
     assert np.abs(step.emitted.v).max() < 1e-6
 
