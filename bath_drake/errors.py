@@ -35,3 +35,9 @@ class CheckpointError(BathDrakeError):
 
 class SegmenterError(BathDrakeError):
     """A segmenter's model cannot be used."""
+
+
+def shown(text: str) -> str:
+    """Returns what was found as a short piece of one line, for a message."""
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else text[:57] + "..."

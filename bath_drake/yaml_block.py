@@ -2,7 +2,7 @@
 
 from typing import Any, NoReturn, TypeVar
 
-from bath_drake.errors import BathDrakeError
+from bath_drake.errors import BathDrakeError, shown
 
 T = TypeVar("T")
 _Error = type[BathDrakeError]
@@ -76,7 +76,7 @@ class Block:
         if kind is float and type(value) is int:
             value = float(value)
         if type(value) is not kind:
-            self.fail(key, f"found {_shown(repr(value))}, expected {_KINDS[kind]}")
+            self.fail(key, f"found {shown(repr(value))}, expected {_KINDS[kind]}")
         return value
 
     def take_list(self, key: str, kind: type[T], length: int | None = None) -> list[T]:
@@ -119,10 +119,4 @@ class Block:
         """Refuses keys that nobody asked for."""
         for key in self._rest:
             allowed = ", ".join(dict.fromkeys(self._known))
-            self.fail(_shown(key), f"unknown key, allowed: {allowed}")
-
-
-def _shown(text: str) -> str:
-    """A text as a short piece of one line."""
-    text = " ".join(text.split())
-    return text if len(text) <= 60 else text[:57] + "..."
+            self.fail(shown(key), f"unknown key, allowed: {allowed}")

@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from bath_drake.errors import BathDrakeError
+from bath_drake.errors import BathDrakeError, shown
 from bath_drake.files import read_bytes
 
 MAX_YAML_BYTES = 256 * 1024
@@ -54,7 +54,9 @@ class _Loader(yaml.SafeLoader):
         if event.anchor is not None:
             raise _refusal("anchors (&name) are not allowed", event.start_mark)
         if event.tag is not None:
-            raise _refusal(f"tags ({event.tag}) are not allowed", event.start_mark)
+            raise _refusal(
+                f"tags ({shown(event.tag)}) are not allowed", event.start_mark
+            )
         if self._depth >= MAX_DEPTH:
             raise _refusal(f"nested deeper than {MAX_DEPTH} levels", event.start_mark)
         self._depth += 1
@@ -68,9 +70,11 @@ class _Loader(yaml.SafeLoader):
         for key_node, value_node in node.value:
             key = self.construct_object(key_node, deep=True)
             if not isinstance(key, str):
-                raise _refusal(f"key {key!r} is not text", key_node.start_mark)
+                raise _refusal(
+                    f"key {shown(repr(key))} is not text", key_node.start_mark
+                )
             if key in mapping:
-                raise _refusal(f"duplicate key {key!r}", key_node.start_mark)
+                raise _refusal(f"duplicate key {shown(repr(key))}", key_node.start_mark)
             mapping[key] = self.construct_object(value_node, deep=True)
         return mapping
 
@@ -78,7 +82,7 @@ class _Loader(yaml.SafeLoader):
         value = str(node.value).lower()
         number = math.inf if value[-1] in "nf" else float(value)
         if not math.isfinite(number):
-            raise _refusal(f"number {value} is not finite", node.start_mark)
+            raise _refusal(f"number {shown(value)} is not finite", node.start_mark)
         return number
 
     def construct_short_int(self, node: Any) -> int:

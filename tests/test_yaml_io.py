@@ -103,6 +103,7 @@ def test_a_plain_scalar_means_what_it_looks_like(text, value):
         ("a: !!str 1", "tags"),
         ("1: 2", "key 1 is not text"),
         ("? [a]\n: 2", "is not text"),
+        ("? [" + "7, " * 999 + "7]\n: 2", r"key \[7, .{,60}\.\.\. is not text"),
         ("a: .nan", "not finite"),
         ("a: -.inf", "not finite"),
         ("a: 1e999", "not finite"),
