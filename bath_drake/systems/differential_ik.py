@@ -288,7 +288,9 @@ class DifferentialIk(LeafSystem):
             np.minimum(fastest, v_last + most),
         )
         v = v + reachable_share(v, added, low, high) * added
-        return v * damped_share(v, rows, self._avoidance)
+        change = v * damped_share(v, rows, self._avoidance) - v_last
+        bound = np.full(7, most)
+        return v_last + reachable_share(np.zeros(7), change, -bound, bound) * change
 
     def _followed_jacobian(self) -> FloatArray:
         """The nozzle's (5, 7) in E, the turn about the jet left out."""

@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bath_drake.control.avoidance import AvoidanceConfig, damped_share, push_away
+from bath_drake.control.avoidance import (
+    AvoidanceConfig,
+    bend,
+    damped_share,
+    push_away,
+    reachable_share,
+)
 
 CONFIG = AvoidanceConfig()
 number = st.floats(-1.0, 1.0)
@@ -73,3 +79,37 @@ def test_numbers_are_positive(name, value):
 def test_the_stop_is_nearer_than_where_avoiding_begins():
     with pytest.raises(ValueError, match="near must be above stop"):
         AvoidanceConfig(stop=0.1, near=0.05)
+
+
+JACOBIANS = st.integers(0, 1000).map(
+    lambda seed: np.random.default_rng(seed).normal(size=(5, 7))
+)
+
+
+@given(v=velocity, J=JACOBIANS, rows=rows)
+def test_what_is_added_in_the_null_space_moves_no_nozzle(v, J, rows):
+    added = bend(v, J, rows, CONFIG)
+    # The pseudo-inverse is good to rounding over the least singular value kept, 1/100.
+    np.testing.assert_allclose(J @ added, 0.0, atol=1e-9 * (1.0 + np.abs(added).max()))
+
+
+@given(v=velocity, J=JACOBIANS, row=row)
+def test_one_near_link_is_kept_off_as_far_as_the_null_space_goes(v, J, row):
+    after = v + bend(v, J, row[None], CONFIG)
+    allowed = CONFIG.gain * max(row[0] - CONFIG.stop, 0.0)
+    free = (np.eye(7) - np.linalg.pinv(J) @ J) @ row[1:]
+    if free @ free > 1e-3:
+        assert row[1:] @ after >= -allowed - 1e-9
+    if row[1:] @ v >= -allowed:
+        np.testing.assert_array_equal(after, v)
+
+
+@given(start=velocity, change=velocity)
+def test_the_reachable_share_keeps_within_the_bounds(start, change):
+    low, high = np.full(7, -1.0), np.full(7, 1.0)
+    share = reachable_share(start, change, low, high)
+    assert 0.0 <= share <= 1.0
+    after = start + share * change
+    assert ((after >= low - 1e-12) & (after <= high + 1e-12)).all()
+    if (np.abs(start + change) <= 1.0).all():
+        assert share == pytest.approx(1.0)
