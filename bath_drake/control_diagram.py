@@ -7,13 +7,17 @@ import numpy as np
 from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.composition.rollout import chain_rollout
+from bath_drake.control.avoidance import AvoidanceConfig
 from bath_drake.learning.skill import Skill
 from bath_drake.safety.limits import GuardLimits, load_limits
 from bath_drake.scenario import Scenario, approach_limits, force_limits, loop_bounds
 from bath_drake.scene import home_position, make_control_plant
+from bath_drake.scene.arm import base_pose
 from bath_drake.scene.arm_chain import arm_chain
+from bath_drake.scene.obstacles import fixed_obstacles
 from bath_drake.systems.approach_sequencer import ApproachSequencer
 from bath_drake.systems.arm_link import ArmLink
+from bath_drake.systems.body_obstacles import BodyObstacles
 from bath_drake.systems.canonical_guard import CanonicalGuard
 from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.canonical_tracker import CanonicalTracker
@@ -27,6 +31,7 @@ from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
 from bath_drake.systems.nozzle_clearance import NozzleClearance
 from bath_drake.systems.nozzle_kinematics import NozzleKinematics
+from bath_drake.systems.obstacle_distance import ObstacleDistance
 from bath_drake.systems.periodic_motion import PeriodicMotion
 from bath_drake.systems.self_distance import SelfDistance
 from bath_drake.systems.stage_sequencer import StageSequencer
@@ -38,6 +43,8 @@ from bath_drake.wiring import add_all, connect
 
 # What is planned stays this much further from the guard's limits: rad, and a share.
 PLANNED_MARGIN, PLANNED_SHARE = 0.02, 0.8
+# m, and how much earlier the null space is used to keep off.
+PLANNED_DISTANCE, AVOIDED_WITHIN = 0.01, 0.04
 # N, along each axis, what is left of the force sensor's bias: a careful taring's.
 _FORCE_BIAS = 0.1
 
@@ -54,6 +61,7 @@ def add_control(
     camera_period = 1.0 / scenario.perception.camera_rate
     arm = make_control_plant(scenario.scene.arm)
     limits = guard_limits(scenario)
+    chain = arm_chain(scenario.scene.arm)
     systems = add_all(
         builder,
         {
@@ -80,11 +88,18 @@ def add_control(
                 posture=np.array(scenario.scene.arm.posture),
                 joint_margin=limits.joints.margin + PLANNED_MARGIN,
                 joint_acceleration=PLANNED_SHARE * min(limits.joints.acceleration),
+                arm=chain,
+                avoidance=avoidance(limits),
             ),
             "canonical_guard": CanonicalGuard(limits=limits),
             "joint_guard": _joint_guard(arm, scenario, limits),
             "arm_link": ArmLink(),
-            "self_distance": SelfDistance(arm=arm_chain(scenario.scene.arm)),
+            "self_distance": SelfDistance(arm=chain),
+            "body_obstacles": BodyObstacles(
+                X_WB=np.array(base_pose(scenario.scene.arm).GetAsMatrix4()),
+                fixed=fixed_obstacles(scenario.scene),
+            ),
+            "obstacle_distance": ObstacleDistance(arm=chain),
             "force_sensor": ForceSensor(
                 seed=scenario.random_seed,
                 period=limits.loop.period,
@@ -152,6 +167,9 @@ def add_control(
         (guard, "condition_number", [systems["canonical_guard"]]),
         (ik, "joint_command", [systems["self_distance"]]),
         (systems["self_distance"], "self_distance", [guard]),
+        (systems["body_obstacles"], "obstacles", [ik, systems["obstacle_distance"]]),
+        (ik, "joint_command", [systems["obstacle_distance"]]),
+        (systems["obstacle_distance"], "obstacle_distance", [guard]),
         (systems["arm_link"], "robot_stamp", [guard]),
         (systems["arm_link"], "loop_seconds", [guard]),
         (systems["force_sensor"], "wrench", [guard]),
@@ -209,6 +227,15 @@ def guard_limits(scenario: Scenario) -> GuardLimits:
         frames=replace(limits.frames, hold_age=age),
         nozzle=replace(limits.nozzle, clearance=clearance),
     )
+
+
+def avoidance(limits: GuardLimits) -> AvoidanceConfig:
+    """Returns how the inverse kinematics keeps the links off things.
+
+    It stops before the guard does, and begins to avoid well before that.
+    """
+    stop = limits.joints.obstacle_distance + PLANNED_DISTANCE
+    return AvoidanceConfig(stop=stop, near=stop + AVOIDED_WITHIN)
 
 
 def _joint_guard(arm: Any, scenario: Scenario, limits: GuardLimits) -> JointGuard:

@@ -257,6 +257,7 @@ def _close_loop(
                 "navigation_controller",
                 "canonical_guard",
                 "canonical_tracker",
+                "body_obstacles",
                 "periodic_motion",
             )
             if name in control

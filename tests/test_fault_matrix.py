@@ -99,5 +99,5 @@ def test_a_fault_stands_before_all_readers_but_the_log():
         or system.get_name().startswith("log_differential_ik")
     }
     assert fed["joint_guard"] == giver
-    assert fed["self_distance"] == giver
+    assert fed["self_distance"] == fed["obstacle_distance"] == giver
     assert fed["log_differential_ik_joint_command"] == "differential_ik"

@@ -70,9 +70,13 @@ def test_the_inverse_kinematics_is_heard_by_the_joint_guard_and_its_aids_alone(n
     assert {system for system, _ in takers if not system.startswith("log_")} == {
         "joint_guard",
         "self_distance",
+        "obstacle_distance",
     }
-    heeded = {s for (s, _), source in fed.items() if source[0] == "self_distance"}
-    assert heeded == {"joint_guard"}
+    for watch in ("self_distance", "obstacle_distance"):
+        heeded = {s for (s, _), source in fed.items() if source[0] == watch}
+        assert heeded == {"joint_guard"}
+    for who in ("differential_ik", "obstacle_distance"):
+        assert fed[who, "obstacles"] == ("body_obstacles", "obstacles")
     heeded = {s for (s, _), source in fed.items() if source[0] == "nozzle_clearance"}
     assert heeded == {"joint_guard", "loop_monitor"}
 

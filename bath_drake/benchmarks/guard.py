@@ -129,6 +129,7 @@ def _timed(
             ("world_status", [1.0]),
             ("ik_status", [0.0]),
             ("self_distance", [0.2]),
+            ("obstacle_distance", [0.15]),
             ("nozzle_clearance", [0.06]),
             ("command_stamp", [now]),
             ("wrench", [now, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0 + 1e-3 * (k % 2)]),

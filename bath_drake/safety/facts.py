@@ -36,6 +36,7 @@ class GuardFacts:
         joint_solution: Whether inverse kinematics found a motion.
         condition_number: Of the nozzle's Jacobian.
         self_distance: Least distance of links that must not touch, m.
+        obstacle_distance: Of links from person, stool and pedestal, m.
         nozzle_clearance: Of the nozzle off the skin, m; infinite where no skin is seen.
         command_age: How old the command is, s.
         wrench: Torque (N m) and force (N) on the nozzle, six numbers.
@@ -62,6 +63,7 @@ class GuardFacts:
     joint_solution: bool = True
     condition_number: float = 1.0
     self_distance: float | None = None
+    obstacle_distance: float | None = None
     nozzle_clearance: float | None = None
     command_age: float = 0.0
     wrench: Vector | None = None
@@ -119,8 +121,9 @@ def present_reasons(
     yield from _frame_reasons(memory, facts, limits)
     yield from _force_reasons(memory, facts, limits)
     measured = (facts.body_speed, facts.condition_number, facts.invalid_share)
-    further = (facts.command_age, facts.loop_seconds, facts.self_distance or 0.0)
-    if not all(map(isfinite, measured + further)):
+    further = (facts.command_age, facts.loop_seconds)
+    distances = (facts.self_distance or 0.0, facts.obstacle_distance or 0.0)
+    if not all(map(isfinite, measured + further + distances)):
         yield Reason.FACT_NOT_FINITE
     for bad, reason in (
         (not facts.body_found and facts.body_lost, Reason.BODY_LOST),
@@ -136,6 +139,11 @@ def present_reasons(
             facts.self_distance is not None
             and facts.self_distance < limits.joints.self_distance,
             Reason.SELF_COLLISION,
+        ),
+        (
+            facts.obstacle_distance is not None
+            and not facts.obstacle_distance >= limits.joints.obstacle_distance,
+            Reason.LINK_NEAR,
         ),
         (
             facts.nozzle_clearance is not None

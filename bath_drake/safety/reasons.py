@@ -50,6 +50,7 @@ class Reason(IntEnum):
     CLOCK = 30
     FACT_NOT_FINITE = 31
     SKIN_NEAR = 32
+    LINK_NEAR = 33
 
 
 @dataclass(frozen=True)
@@ -121,5 +122,8 @@ RESPONSES = MappingProxyType(
         Reason.CLOCK: _holds_until_reset("the time is no number or went back"),
         Reason.FACT_NOT_FINITE: _holds_until_reset("something measured is no number"),
         Reason.SKIN_NEAR: _retreats("the skin has come nearer than `nozzle.clearance`"),
+        Reason.LINK_NEAR: _holds_until_reset(
+            "a link comes too near to the person, the stool or the pedestal"
+        ),
     }
 )

@@ -38,8 +38,8 @@ _STOOL = Rgba(0.93, 0.95, 0.96)
 _STEEL = Rgba(0.55, 0.58, 0.62)
 _DARK = Rgba(0.22, 0.24, 0.28)
 
-_STOOL_RADIUS, _STOOL_SEAT = 0.17, 0.035
-_PEDESTAL_SIDE = 0.24
+STOOL_RADIUS, _STOOL_SEAT = 0.17, 0.035
+PEDESTAL_SIDE = 0.24
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def add_stool(
 ) -> None:
     """Adds a round stool whose seat's top touches the point `seat_W` (3,), m."""
     x, y, top = (float(value) for value in seat_W)
-    seat = Cylinder(_STOOL_RADIUS, _STOOL_SEAT)
+    seat = Cylinder(STOOL_RADIUS, _STOOL_SEAT)
     leg_length = top - _STOOL_SEAT
     parts = [
         (f"{name}_seat", seat, [x, y, top - _STOOL_SEAT / 2.0], _STOOL),
@@ -195,7 +195,7 @@ def add_pedestal(scene_graph: SceneGraph, source: SourceId, arm: ArmConfig) -> N
     if height <= 0.0:
         return
     turn = RotationMatrix.MakeZRotation(arm.base_yaw)
-    block = Box(_PEDESTAL_SIDE, _PEDESTAL_SIDE, height)
+    block = Box(PEDESTAL_SIDE, PEDESTAL_SIDE, height)
     pose = at([x, y, height / 2.0], turn)
     scene_graph.RegisterAnchoredGeometry(
         source, coloured(block, pose, "pedestal", _STEEL, PEDESTAL_LABEL)

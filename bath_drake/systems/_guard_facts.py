@@ -22,6 +22,7 @@ OPTIONAL_PORTS = {
     "world_status": 1,
     "ik_status": 1,
     "self_distance": 1,  # m
+    "obstacle_distance": 1,  # m
     "nozzle_clearance": 1,  # m
     "command_stamp": 1,  # s
     "wrench": 7,  # stamp (s); torque (N m), force (N)
@@ -71,6 +72,7 @@ class FactPorts:
             found["joint_solution"] = given["ik_status"][0] < 0.5
         for fact in (
             "self_distance",
+            "obstacle_distance",
             "nozzle_clearance",
             "loop_seconds",
             "robot_stamp",

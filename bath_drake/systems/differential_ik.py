@@ -11,9 +11,17 @@ from pydrake.multibody.inverse_kinematics import (
     DoDifferentialInverseKinematics,
 )
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.control.approach import Phase
+from bath_drake.control.avoidance import (
+    AvoidanceConfig,
+    bend,
+    damped_share,
+    push_away,
+    reachable_share,
+)
 from bath_drake.control.pose_tracking import (
     TrackingConfig,
     across_jet,
@@ -25,7 +33,10 @@ from bath_drake.control.pose_tracking import (
 )
 from bath_drake.control.skin_speed import WashedPoint
 from bath_drake.notation import FloatArray
+from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.safety.joint_command import stoppable_speed
+from bath_drake.safety.obstacle_distance import link_gaps
+from bath_drake.safety.obstacles import Boxes
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
@@ -53,6 +64,7 @@ class DifferentialIk(LeafSystem):
         - phase (optional)
         - standoff (optional)
         - surface_velocity (optional)
+        - obstacles (optional)
         output_ports:
         - joint_command
         - ik_status
@@ -71,7 +83,10 @@ class DifferentialIk(LeafSystem):
     The turn about the jet is not followed: a round jet has no roll, and free it keeps
     the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the
     direction of the wanted velocity and stays within joint limits; the pose error is
-    turned into that velocity with a bounded gain, speed, acceleration and jerk.
+    turned into that velocity with a bounded gain, speed, acceleration and jerk. With
+    `obstacles` (`bath_drake.safety.obstacles.Boxes` in the arm's base frame) the null
+    space keeps the links off them, and no link nears one but slowly; see
+    `bath_drake.control.avoidance`.
     """
 
     def __init__(
@@ -86,6 +101,8 @@ class DifferentialIk(LeafSystem):
         speed_fraction: float = 0.5,
         joint_acceleration: float = 20.0,
         centering_gain: float = 1.0,
+        arm: ArmChain | None = None,
+        avoidance: AvoidanceConfig | None = None,
     ) -> None:
         """Declares ports, state and the periodic update.
 
@@ -99,6 +116,8 @@ class DifferentialIk(LeafSystem):
             speed_fraction: Of each joint's speed limit, in (0, 1].
             joint_acceleration: Bound on each joint's command, rad/s^2.
             centering_gain: Pull to the nominal posture in the null space, 1/s.
+            arm: Its links, to keep them off `obstacles`; None minds none.
+            avoidance: When and how hard; None for the defaults.
 
         Raises:
             ValueError: If a number is out of range or home outside the limits.
@@ -133,6 +152,10 @@ class DifferentialIk(LeafSystem):
         # A scratch pad, written before every use: it remembers nothing.
         self._scratch = plant.CreateDefaultContext()
         self._acceleration = joint_acceleration
+        self._posture = self._nominal = posture
+        self._centering_gain = centering_gain
+        self._arm = arm
+        self._avoidance = AvoidanceConfig() if avoidance is None else avoidance
         self._range = self._admitted = low, high
         self._speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
         self._speeds = self._speed, self._speed
@@ -152,6 +175,7 @@ class DifferentialIk(LeafSystem):
         self._phase = self.DeclareVectorInputPort("phase", 1)
         self._standoff = self.DeclareVectorInputPort("standoff", 1)
         self._surface_velocity = self.DeclareVectorInputPort("surface_velocity", 6)
+        self._obstacles = self.DeclareAbstractInputPort("obstacles", Value(Boxes()))
         start = np.zeros(_SIZE)
         start[_Q] = home
         state = self.DeclareDiscreteState(drake_vector(start))
@@ -182,7 +206,8 @@ class DifferentialIk(LeafSystem):
         elif not is_pose(R, p):
             state = _at_rest(state, STATUS_STUCK)
         else:
-            state = self._step(state, R, p, self._near_skin(context))
+            rows = self._near_things(context, state[_Q])
+            state = self._step(state, R, p, self._near_skin(context), rows)
         discrete_state.set_value(drake_vector(state))
 
     def _near_skin(self, context: Context) -> tuple[float, FloatArray] | None:
@@ -194,12 +219,21 @@ class DifferentialIk(LeafSystem):
         (standoff,) = eval_vector(self._standoff, context)
         return standoff, eval_vector(self._surface_velocity, context)
 
+    def _near_things(self, context: Any, q: FloatArray) -> FloatArray | None:
+        """Rows of `link_gaps` of what a link is near to; None where nothing is."""
+        if self._arm is None or not self._obstacles.HasValue(context):
+            return None
+        boxes = eval_value(self._obstacles, context, Boxes)
+        rows = link_gaps(q, self._arm, boxes, 2.0 * self._avoidance.near)
+        return rows if (rows[:, 0] < 2.0 * self._avoidance.near).any() else None
+
     def _step(
         self,
         state: FloatArray,
         R_d: FloatArray,
         p_d: FloatArray,
         near_skin: tuple[float, FloatArray] | None,
+        rows: FloatArray | None,
     ) -> FloatArray:
         dt, tracking = self._time_step, self._tracking
         self._plant.SetPositions(self._scratch, drake_vector(state[_Q]))
@@ -225,9 +259,12 @@ class DifferentialIk(LeafSystem):
             washed,
         )
         self._admit(state[_Q])
+        self._push(rows)
         v = self._solve(state[_V], twist)
         if v is None:
             return _at_rest(state, STATUS_STUCK)
+        if rows is not None:
+            v = self._off_things(v, state[_V], rows)
         after = state.copy()
         after[_Q] = state[_Q] + dt * v
         after[_V] = v
@@ -273,6 +310,50 @@ class DifferentialIk(LeafSystem):
         limits = drake_vector(-down), drake_vector(up)
         for parameters in (self._parameters, self._unbounded):
             parameters.set_joint_velocity_limits(limits)
+
+    def _off_things(
+        self, v: FloatArray, v_last: FloatArray, rows: FloatArray
+    ) -> FloatArray:
+        """Bends the null space of v (7,), and slows it, to keep the links off."""
+        most = self._acceleration * self._time_step
+        (slowest, fastest), added = self._speeds, np.zeros(7)
+        if damped_share(v, rows, self._avoidance) < 1.0:
+            added = bend(v, self._followed_jacobian(), rows, self._avoidance)
+        low, high = (
+            np.maximum(-slowest, v_last - most),
+            np.minimum(fastest, v_last + most),
+        )
+        v = v + reachable_share(v, added, low, high) * added
+        change = v * damped_share(v, rows, self._avoidance) - v_last
+        bound = np.full(7, most)
+        return v_last + reachable_share(np.zeros(7), change, -bound, bound) * change
+
+    def _followed_jacobian(self) -> FloatArray:
+        """The nozzle's (5, 7) in E, the turn about the jet left out."""
+        world: Any = self._plant.world_frame()
+        J = np.array(
+            self._plant.CalcJacobianSpatialVelocity(
+                self._scratch,
+                JacobianWrtVariable.kV,
+                self._frame,
+                drake_vector(np.zeros(3)),
+                world,
+                self._frame,
+            )
+        )
+        return np.asarray(J[[0, 1, 3, 4, 5]])
+
+    def _push(self, rows: FloatArray | None) -> None:
+        """Draws the null space away from near things, on top of the posture."""
+        nominal = self._posture
+        if rows is not None:
+            push = push_away(rows, self._avoidance)
+            nominal = nominal + push / self._centering_gain
+        if np.array_equal(nominal, self._nominal):
+            return
+        self._nominal = nominal
+        for parameters in (self._parameters, self._unbounded):
+            parameters.set_nominal_joint_position(drake_vector(nominal))
 
     def _solve(self, v_last: FloatArray, twist: FloatArray) -> FloatArray | None:
         """Returns joint velocities (7,), or None where there are none."""

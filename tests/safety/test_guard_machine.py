@@ -63,6 +63,7 @@ wrong_facts = st.fixed_dictionaries(
         "joint_solution": st.booleans(),
         "condition_number": anything,
         "self_distance": st.none() | anything,
+        "obstacle_distance": st.none() | anything,
         "nozzle_clearance": st.none() | anything,
         "command_age": anything,
         "wrench": st.tuples(*[anything] * 6),

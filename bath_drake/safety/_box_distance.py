@@ -1,0 +1,178 @@
+"""Capsules of an arm against boxes, compiled; all in the arm's base frame B."""
+
+import numpy as np
+from numba import njit
+
+from bath_drake.notation import FloatArray, IntArray
+from bath_drake.safety.arm_chain import next_link
+
+# The nearest place along a segment is found by thirds, to (2/3)^n of its length.
+_THIRDS = 16
+
+
+@njit(cache=True)
+def gaps(
+    q: FloatArray,
+    origins: FloatArray,
+    turns: FloatArray,
+    capsules: FloatArray,
+    axes: FloatArray,
+    centres: FloatArray,
+    halves: FloatArray,
+    minded: IntArray,
+    near: float,
+    rows: FloatArray,
+) -> None:
+    """Writes for each capsule its distance from the nearest box, and how it changes.
+
+    Args:
+        q: (7,) rad.
+        origins: As of `ArmChain`.
+        turns: The same.
+        capsules: (n, 8) the same.
+        axes: (m, 3, 3) of the boxes, in columns.
+        centres: (m, 3) m.
+        halves: (m, 3) m.
+        minded: (m, 2) first and last link that keeps off each box.
+        near: Of what is farther than this a bound from below is told alone, m.
+        rows: (n, 8) out: the distance, m, and its derivatives by the joints' positions,
+            m/rad, zero where it is farther than `near`.
+    """
+    joints = len(q)
+    ends = np.empty((2, 3))
+    joint_axes, joint_origins = np.empty((joints, 3)), np.empty((joints, 3))
+    R, turned, p = np.eye(3), np.empty((3, 3)), np.zeros(3)
+    point, away, best, best_away = (
+        np.empty(3),
+        np.empty(3),
+        np.empty(3),
+        np.empty(3),
+    )
+    link = 0
+    for k in range(len(capsules)):
+        while link < capsules[k, 0]:
+            # The nozzle, the last, is told in the frame of the link before it.
+            if link < joints:
+                next_link(p, R, turned, origins[link], turns[link], q[link])
+                R, turned = turned, R
+                for i in range(3):
+                    joint_axes[link, i], joint_origins[link, i] = R[i, 2], p[i]
+            link += 1
+        length = 0.0
+        for i in range(3):
+            for end in range(2):
+                ends[end, i] = p[i]
+                for j in range(3):
+                    ends[end, i] += R[i, j] * capsules[k, 1 + 3 * end + j]
+            length += (ends[1, i] - ends[0, i]) ** 2
+        reach = 0.5 * np.sqrt(length) + capsules[k, 7]
+        least, close = np.inf, False
+        for m in range(len(centres)):
+            if link < minded[m, 0] or link > minded[m, 1]:
+                continue
+            gap = _gap(ends, 0.5, axes[m], centres[m], halves[m], point, away) - reach
+            # No place on it is nearer than from its middle, less the way there.
+            if gap > near:
+                if gap < least:
+                    least, close = gap, False
+                continue
+            low, high = 0.0, 1.0
+            for _ in range(_THIRDS):
+                a, b = low + (high - low) / 3.0, high - (high - low) / 3.0
+                at_a = _gap(ends, a, axes[m], centres[m], halves[m], point, away)
+                at_b = _gap(ends, b, axes[m], centres[m], halves[m], point, away)
+                if at_a < at_b:
+                    high = b
+                else:
+                    low = a
+            middle = 0.5 * (low + high)
+            gap = _gap(ends, middle, axes[m], centres[m], halves[m], point, away)
+            gap -= capsules[k, 7]
+            if gap < least:
+                least, close = gap, gap <= near
+                for i in range(3):
+                    best[i], best_away[i] = point[i], away[i]
+        rows[k, 0] = least
+        for j in range(joints):
+            rows[k, 1 + j] = 0.0
+            if close and j < link:
+                x, y, z = best - joint_origins[j]
+                u, v, w = joint_axes[j]
+                rows[k, 1 + j] = (
+                    best_away[0] * (v * z - w * y)
+                    + best_away[1] * (w * x - u * z)
+                    + best_away[2] * (u * y - v * x)
+                )
+
+
+@njit(cache=True)
+def least_gap(
+    q: FloatArray,
+    way: FloatArray,
+    looks: int,
+    origins: FloatArray,
+    turns: FloatArray,
+    capsules: FloatArray,
+    axes: FloatArray,
+    centres: FloatArray,
+    halves: FloatArray,
+    minded: IntArray,
+    far: float,
+) -> float:
+    """The least of all distances at some places from q (7,) to q + way, at most far."""
+    least = far
+    rows = np.empty((len(capsules), 1 + len(q)))
+    for look in range(looks):
+        there = q + look / max(looks - 1, 1) * way
+        gaps(
+            there,
+            origins,
+            turns,
+            capsules,
+            axes,
+            centres,
+            halves,
+            minded,
+            least,
+            rows,
+        )
+        for k in range(len(capsules)):
+            least = min(least, rows[k, 0])
+    return least
+
+
+@njit(cache=True)
+def _gap(
+    ends: FloatArray,
+    share: float,
+    axes: FloatArray,
+    centre: FloatArray,
+    half: FloatArray,
+    point: FloatArray,
+    away: FloatArray,
+) -> float:
+    """The signed distance of a place on a segment from a box; convex along it."""
+    for i in range(3):
+        point[i] = ends[0, i] + share * (ends[1, i] - ends[0, i])
+        away[i] = 0.0
+    outside, inside, face, side = 0.0, -np.inf, 0, 1.0
+    for j in range(3):
+        local = 0.0
+        for i in range(3):
+            local += axes[i, j] * (point[i] - centre[i])
+        sign = 1.0 if local > 0.0 else -1.0
+        over = abs(local) - half[j]
+        if over > inside:
+            inside, face, side = over, j, sign
+        if over > 0.0:
+            outside += over * over
+            for i in range(3):
+                away[i] += sign * over * axes[i, j]
+    if outside > 0.0:
+        gap = np.sqrt(outside)
+        for i in range(3):
+            away[i] /= gap
+        return float(gap)
+    for i in range(3):
+        away[i] = side * axes[i, face]
+    return float(inside)
