@@ -5,26 +5,13 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.multibody.inverse_kinematics import (
-    DifferentialInverseKinematicsParameters,
-    DifferentialInverseKinematicsStatus,
-    DoDifferentialInverseKinematics,
-)
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.control.approach import Phase
-from bath_drake.control.avoidance import (
-    AvoidanceConfig,
-    bend,
-    damped_share,
-    push_away,
-    reachable_share,
-)
+from bath_drake.control.avoidance import AvoidanceConfig
 from bath_drake.control.pose_tracking import (
     TrackingConfig,
-    across_jet,
     gentler,
     is_pose,
     jet_difference,
@@ -34,11 +21,10 @@ from bath_drake.control.pose_tracking import (
 from bath_drake.control.skin_speed import WashedPoint
 from bath_drake.notation import FloatArray
 from bath_drake.safety.arm_chain import ArmChain
-from bath_drake.safety.joint_command import stoppable_speed
 from bath_drake.safety.obstacle_distance import link_gaps
 from bath_drake.safety.obstacles import Boxes
+from bath_drake.systems._joint_solver import JointSolver
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
-from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
 STATUS_OK, STATUS_STUCK = 0.0, 1.0
 
@@ -147,26 +133,18 @@ class DifferentialIk(LeafSystem):
                 )
         self._time_step = time_step
         self._tracking = TrackingConfig() if tracking is None else tracking
-        self._plant = plant
-        self._frame = plant.GetFrameByName(NOZZLE_FRAME)
-        # A scratch pad, written before every use: it remembers nothing.
-        self._scratch = plant.CreateDefaultContext()
-        self._acceleration = joint_acceleration
-        self._posture = self._nominal = posture
-        self._centering_gain = centering_gain
         self._arm = arm
         self._avoidance = AvoidanceConfig() if avoidance is None else avoidance
-        self._range = self._admitted = low, high
-        self._speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
-        self._speeds = self._speed, self._speed
-        self._unbounded = _parameters(
-            plant, posture, (low, high), time_step, speed_fraction, centering_gain
+        self._solver = JointSolver(
+            plant=plant,
+            limits=(low, high),
+            posture=posture,
+            time_step=time_step,
+            speed_fraction=speed_fraction,
+            acceleration=joint_acceleration,
+            centering_gain=centering_gain,
+            avoidance=self._avoidance,
         )
-        self._parameters = _parameters(
-            plant, posture, (low, high), time_step, speed_fraction, centering_gain
-        )
-        bound = drake_vector(np.full(7, joint_acceleration))
-        self._parameters.set_joint_acceleration_limits((-bound, bound))
         self._desired = self.DeclareAbstractInputPort(
             "desired_nozzle_pose", Value(RigidTransform())
         )
@@ -236,10 +214,7 @@ class DifferentialIk(LeafSystem):
         rows: FloatArray | None,
     ) -> FloatArray:
         dt, tracking = self._time_step, self._tracking
-        self._plant.SetPositions(self._scratch, drake_vector(state[_Q]))
-        self._plant.SetVelocities(self._scratch, drake_vector(state[_V]))
-        X_WE = self._frame.CalcPoseInWorld(self._scratch)
-        R, p = np.array(X_WE.rotation().matrix()), np.array(X_WE.translation())
+        R, p = self._solver.nozzle(state[_Q], state[_V])
         feed_forward = np.zeros(6)
         if state[_SEEN] > 0.5:
             last = state[_DESIRED].reshape(3, 4)
@@ -258,131 +233,21 @@ class DifferentialIk(LeafSystem):
             dt,
             washed,
         )
-        self._admit(state[_Q])
-        self._push(rows)
-        v = self._solve(state[_V], twist)
+        v = self._solver.solve(state[_Q], state[_V], twist, rows)
         if v is None:
             return _at_rest(state, STATUS_STUCK)
-        if rows is not None:
-            v = self._off_things(v, state[_V], rows)
         after = state.copy()
         after[_Q] = state[_Q] + dt * v
         after[_V] = v
         # What the joints really do: the solver may have slowed the motion down. They
         # turn about the jet as they like.
-        after[_TWIST] = across_jet(self._spatial_velocity(v), R)
+        after[_TWIST] = self._solver.twist(v, R)
         done = (after[_TWIST] - state[_TWIST]) / dt
         after[_ACCELERATION] = gentler(acceleration, done)
         after[_FEED_FORWARD] = feed_forward
         after[_DESIRED] = np.column_stack([R_d, p_d]).ravel()
         after[_SEEN], after[_STATUS] = 1.0, STATUS_OK
         return after
-
-    def _admit(self, q: FloatArray) -> None:
-        """Widens the range to a position (7,) that was taken over, as far as it is.
-
-        From beyond a limit no motion within it begins, not even the one back.
-        """
-        low, high = self._range
-        self._slow_down(q)
-        if self._admitted is self._range and (q >= low).all() and (q <= high).all():
-            return
-        admitted = np.minimum(low, q), np.maximum(high, q)
-        if np.array_equal(admitted, self._admitted):
-            return
-        self._admitted = (
-            self._range if np.array_equal(admitted, self._range) else admitted
-        )
-        limits = drake_vector(admitted[0]), drake_vector(admitted[1])
-        for parameters in (self._parameters, self._unbounded):
-            parameters.set_joint_position_limits(limits)
-
-    def _slow_down(self, q: FloatArray) -> None:
-        """Bounds the speed towards each end of the range by what stops there."""
-        low, high = self._range
-        ways = np.maximum(np.stack([q - low, high - q]), 0.0)
-        stopping = stoppable_speed(ways, self._acceleration, self._time_step)
-        down, up = np.minimum(self._speed, stopping)
-        slowest, fastest = self._speeds
-        if np.array_equal(down, slowest) and np.array_equal(up, fastest):
-            return
-        self._speeds = down, up
-        limits = drake_vector(-down), drake_vector(up)
-        for parameters in (self._parameters, self._unbounded):
-            parameters.set_joint_velocity_limits(limits)
-
-    def _off_things(
-        self, v: FloatArray, v_last: FloatArray, rows: FloatArray
-    ) -> FloatArray:
-        """Bends the null space of v (7,), and slows it, to keep the links off."""
-        most = self._acceleration * self._time_step
-        (slowest, fastest), added = self._speeds, np.zeros(7)
-        if damped_share(v, rows, self._avoidance) < 1.0:
-            added = bend(v, self._followed_jacobian(), rows, self._avoidance)
-        low, high = (
-            np.maximum(-slowest, v_last - most),
-            np.minimum(fastest, v_last + most),
-        )
-        v = v + reachable_share(v, added, low, high) * added
-        change = v * damped_share(v, rows, self._avoidance) - v_last
-        bound = np.full(7, most)
-        return v_last + reachable_share(np.zeros(7), change, -bound, bound) * change
-
-    def _followed_jacobian(self) -> FloatArray:
-        """The nozzle's (5, 7) in E, the turn about the jet left out."""
-        world: Any = self._plant.world_frame()
-        J = np.array(
-            self._plant.CalcJacobianSpatialVelocity(
-                self._scratch,
-                JacobianWrtVariable.kV,
-                self._frame,
-                drake_vector(np.zeros(3)),
-                world,
-                self._frame,
-            )
-        )
-        return np.asarray(J[[0, 1, 3, 4, 5]])
-
-    def _push(self, rows: FloatArray | None) -> None:
-        """Draws the null space away from near things, on top of the posture."""
-        nominal = self._posture
-        if rows is not None:
-            push = push_away(rows, self._avoidance)
-            nominal = nominal + push / self._centering_gain
-        if np.array_equal(nominal, self._nominal):
-            return
-        self._nominal = nominal
-        for parameters in (self._parameters, self._unbounded):
-            parameters.set_nominal_joint_position(drake_vector(nominal))
-
-    def _solve(self, v_last: FloatArray, twist: FloatArray) -> FloatArray | None:
-        """Returns joint velocities (7,), or None where there are none."""
-        v = self._ask_drake(twist, self._parameters)
-        if v is None:
-            # No velocity along the twist may lie within the acceleration bound;
-            # then go as far to the one beyond it as the bound allows.
-            v = self._ask_drake(twist, self._unbounded)
-            if v is not None:
-                change = np.abs(v - v_last).max()
-                share = min(1.0, self._acceleration * self._time_step / change)
-                v = v_last + share * (v - v_last)
-        return v
-
-    def _ask_drake(
-        self, twist: FloatArray, parameters: DifferentialInverseKinematicsParameters
-    ) -> FloatArray | None:
-        result = DoDifferentialInverseKinematics(  # type: ignore[no-untyped-call] # stub
-            self._plant, self._scratch, drake_vector(twist), self._frame, parameters
-        )
-        if result.status != DifferentialInverseKinematicsStatus.kSolutionFound:
-            return None
-        v = np.array(result.joint_velocities, dtype=np.float64)
-        return v if np.isfinite(v).all() else None
-
-    def _spatial_velocity(self, v: FloatArray) -> FloatArray:
-        self._plant.SetVelocities(self._scratch, drake_vector(v))
-        V_WE = self._frame.CalcSpatialVelocityInWorld(self._scratch)
-        return np.concatenate([V_WE.rotational(), V_WE.translational()])
 
     def _calc_command(self, context: Any, output: BasicVector) -> None:
         set_vector(output, _state(context)[: _V.stop])
@@ -395,28 +260,6 @@ def _check(**positive: float) -> None:
     for name, value in positive.items():
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be positive and finite, got {value}")
-
-
-def _parameters(
-    plant: MultibodyPlant,
-    posture: FloatArray,
-    limits: tuple[FloatArray, FloatArray],
-    time_step: float,
-    speed_fraction: float,
-    centering_gain: float,
-) -> DifferentialInverseKinematicsParameters:
-    parameters = DifferentialInverseKinematicsParameters(7, 7)
-    parameters.set_time_step(time_step)
-    parameters.set_nominal_joint_position(drake_vector(posture))
-    # A round jet has no roll: in E, the turn about the jet is left to the posture.
-    flags: Any = np.array([True, True, False, True, True, True])
-    parameters.set_end_effector_velocity_flag(flags)
-    low, high = limits
-    parameters.set_joint_position_limits((drake_vector(low), drake_vector(high)))
-    speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
-    parameters.set_joint_velocity_limits((drake_vector(-speed), drake_vector(speed)))
-    parameters.set_joint_centering_gain(drake_vector(centering_gain * np.eye(7)))
-    return parameters
 
 
 def _state(context: Context) -> FloatArray:
