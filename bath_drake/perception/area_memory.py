@@ -21,6 +21,8 @@ from bath_drake.shared import Shared
 
 # A place is in full view if so much of its ellipse is skin that is seen.
 IN_VIEW = 0.5
+# m^2: less skin than the smallest area has says nothing of one.
+LEAST_SKIN = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +121,19 @@ class AreaKeeper:
 def seen_in_full(
     ellipse: FloatArray, observation: BodyObservation, canonical_map: CanonicalMap
 ) -> bool:
-    """Whether most of the skin in an ellipse (5,) of N is seen in a frame."""
-    p_N = canonical_map.canonical_from_world(observation.points_W)
-    inside = level(ellipse, p_N) <= 1.0
+    """Whether most of the skin in an ellipse (5,) of N is seen in a frame.
+
+    How much skin there is, a template of the back tells: at its rim an ellipse reaches
+    beyond. Where it knows of none nothing is in view.
+    """
     size = np.pi * ellipse[2] * ellipse[3] * canonical_map.half_extents.prod()
-    return bool(observation.point_areas[inside].sum() >= IN_VIEW * size)
+    template, tracked = observation.template, observation.tracked_map
+    if template is not None and tracked is not None:
+        known = canonical_map.canonical_from_world(template.points_in_world(tracked))
+        size = min(size, template.areas[level(ellipse, known) <= 1.0].sum())
+    p_N = canonical_map.canonical_from_world(observation.points_W)
+    seen = observation.point_areas[level(ellipse, p_N) <= 1.0].sum()
+    return bool(size >= LEAST_SKIN and seen >= IN_VIEW * size)
 
 
 def merge_areas(

@@ -16,6 +16,7 @@ from bath_drake.perception.area_memory import (
 )
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.completion import BackTemplate
 from bath_drake.perception.ellipses import level, meet, outline
 
 DT = 1.0 / 30.0
@@ -113,6 +114,29 @@ def test_a_place_is_in_full_view_if_most_of_its_skin_is_seen(hidden, expected):
     points = points[~inside | (rng.random(len(points)) >= hidden)]
     observation = dataclasses.replace(
         BodyObservation(), points_W=points, point_areas=np.full(len(points), 0.004**2)
+    )
+    assert seen_in_full(ellipse, observation, BODY) is expected
+
+
+@pytest.mark.parametrize(
+    ("y", "hidden", "expected"),
+    # At the rim half of the ellipse is beside the back; farther out there is nothing.
+    [(-1.0, 0.0, True), (-1.0, 0.8, False), (-1.5, 0.0, False)],
+)
+def test_at_the_rim_what_is_beside_the_back_need_not_be_seen(y, hidden, expected):
+    x, y_P = np.meshgrid(np.arange(-0.17, 0.17, 0.004), np.arange(-0.25, 0.25, 0.004))
+    points = np.column_stack([x.ravel(), y_P.ravel(), np.zeros(x.size)])
+    template = BackTemplate(points, np.full(len(points), 0.004**2), 0.0)
+    ellipse = np.array([-0.5, y, 0.16, 0.13, 0.0])
+    inside = level(ellipse, BODY.canonical_from_world(points)) <= 1.0
+    rng = np.random.default_rng(0)
+    points = points[~inside | (rng.random(len(points)) >= hidden)]
+    observation = dataclasses.replace(
+        BodyObservation(),
+        points_W=points,
+        point_areas=np.full(len(points), 0.004**2),
+        template=template,
+        tracked_map=BODY,
     )
     assert seen_in_full(ellipse, observation, BODY) is expected
 
