@@ -34,9 +34,7 @@ def fast(name, **changes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", ["reproduction", "restricted_area", "bending", "pour", "coverage"]
-)
+@pytest.mark.parametrize("name", ["reproduction", "bending", "pour", "coverage"])
 def test_the_run_passes_verification(name):
     scenario = fast(name)
     skill = scenario_skill(scenario)
@@ -45,9 +43,8 @@ def test_the_run_passes_verification(name):
     assert metrics["verdict"] == "pass"
     assert metrics["perception"] == "ideal"
     assert metrics["frames"] == metrics["dropped_frames"] == 0
-    if name in ("restricted_area", "coverage"):
-        assert metrics["restricted_min_clearance_mm"] > 0.0
     if name == "coverage":
+        assert metrics["restricted_min_clearance_mm"] > 0.0
         assert metrics["washing"]["strokes"] == 6
         assert metrics["washing"]["wound_wetted_cm2"] == 0.0
 

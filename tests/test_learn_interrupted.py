@@ -219,13 +219,8 @@ def start(out, **environment):
     )
 
 
-@pytest.mark.parametrize(
-    "wanted",
-    [
-        pytest.param(2, marks=pytest.mark.slow),
-        pytest.param(20, marks=pytest.mark.exhaustive),
-    ],
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("wanted", [20])
 def test_kills_change_no_bit(wanted, tmp_path):
     undisturbed = tmp_path / "whole.yaml"
     assert start(undisturbed).wait() == 0  # with a compiler's time, perhaps

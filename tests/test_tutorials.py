@@ -5,8 +5,12 @@ from pathlib import Path
 import pytest
 
 TUTORIALS = sorted((Path(__file__).parent.parent / "tutorials").glob("*.py"))
-# Half a minute each, of learning that other tests do too.
-LONG = ("02_the_papers_learner", "03_strokes_no_single_field_can_hold")
+# Half a minute and more each, of what other tests do too.
+LONG = (
+    "02_the_papers_learner",
+    "03_strokes_no_single_field_can_hold",
+    "05_from_a_recording_to_circles",
+)
 RUN = [
     pytest.param(path, marks=pytest.mark.exhaustive) if path.stem in LONG else path
     for path in TUTORIALS
