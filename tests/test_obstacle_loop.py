@@ -14,7 +14,7 @@ from bath_drake.scenario import load_scenario
 from bath_drake.scene.obstacles import fixed_obstacles
 from bath_drake.simulation import run
 from bath_drake.strokes import scenario_skill
-from bath_drake.systems import differential_ik, obstacle_distance
+from bath_drake.systems import _joint_solver, obstacle_distance
 from bath_drake.verification import evaluate, pose_from_row
 
 LIMIT = GuardLimits().joints.obstacle_distance
@@ -45,8 +45,8 @@ def test_a_wrist_that_would_come_to_the_shoulder_is_kept_off(watched, monkeypatc
     scenario.scene.arm.fidelity = "kinematic"
     scenario.scene.arm.posture = TURNED
     if not watched:
-        monkeypatch.setattr(differential_ik, "push_away", lambda r, c: np.zeros(7))
-        monkeypatch.setattr(differential_ik, "damped_share", lambda v, r, c: 1.0)
+        monkeypatch.setattr(_joint_solver, "push_away", lambda r, c: np.zeros(7))
+        monkeypatch.setattr(_joint_solver, "damped_share", lambda v, r, c: 1.0)
         monkeypatch.setattr(
             obstacle_distance, "obstacle_distance_ahead", lambda *_: 0.15
         )
@@ -54,4 +54,4 @@ def test_a_wrist_that_would_come_to_the_shoulder_is_kept_off(watched, monkeypatc
     log = run(build_reproduction(scenario, skill), scenario)
     assert evaluate(log, scenario, skill).metrics["verdict"] == "pass"
     gap = least_gap(log, scenario)
-    assert gap > LIMIT + 0.01 if watched else gap < 0.0
+    assert gap > LIMIT + 0.003 if watched else gap < 0.0

@@ -29,7 +29,7 @@ class AvoidanceConfig:
         push: No joint is pushed faster than this, rad/s.
     """
 
-    stop: float = 0.03
+    stop: float = 0.025
     near: float = 0.07
     gain: float = 5.0
     push: float = 0.5
