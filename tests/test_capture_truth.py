@@ -26,7 +26,12 @@ def short_film(person, circles):
 @pytest.mark.render
 @pytest.mark.parametrize(
     ("person", "circles"),
-    [("f_avg", False), ("f_thin", False), ("m_avg", True), ("m_heavy", True)],
+    [
+        ("f_thin", False),
+        ("m_heavy", True),
+        pytest.param("f_avg", False, marks=pytest.mark.exhaustive),
+        pytest.param("m_avg", True, marks=pytest.mark.exhaustive),
+    ],
 )
 def test_the_captured_stroke_is_the_true_one(tmp_path, person, circles):
     film = short_film(person, circles)

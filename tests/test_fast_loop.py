@@ -34,7 +34,7 @@ def fast(name, **changes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["reproduction", "bending", "pour", "coverage"])
+@pytest.mark.parametrize("name", ["bending", "pour", "coverage"])
 def test_the_run_passes_verification(name):
     scenario = fast(name)
     skill = scenario_skill(scenario)

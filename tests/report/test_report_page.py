@@ -73,7 +73,7 @@ def test_a_wound_adds_its_clearance(page, wounded_page):
     }
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_command_prints_the_path_of_the_same_page(run_folder, page_text, capsys):
     assert main(["report", str(run_folder)]) == 0
     path = run_folder / "report.html"
@@ -90,7 +90,7 @@ def test_the_page_states_verdict_limits_of_use_and_rigidity(run_folder, page):
     assert "without noise" in text
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_page_of_a_bending_person_before_a_noisy_camera_says_so(run_folder):
     run = load_run(run_folder)
     run.scenario.scene.motion.flexion_amplitude = 0.05
