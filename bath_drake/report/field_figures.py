@@ -87,7 +87,7 @@ def draw_chain(
     _mark_ends(right, rollout[0], chain.goal)
     _zoom(right, [*demonstrations, mean, rollout])
     _canonical_axes(right)
-    right.set_title(f"Reproduction against demonstrations\n{frechet}")
+    right.set_title(f"Reproduction: {frechet}")
     for axes in (left, right):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=2)
     return figure

@@ -1,12 +1,11 @@
 """The pictures of learning, and the trace they are drawn from."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import matplotlib.image
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
+from readable import check_readable
 
 from bath_drake.demonstrations.processing import canonical_demonstrations
 from bath_drake.demonstrations.recording import read_recording
@@ -46,26 +45,6 @@ def single():
     strokes = _strokes("arc_shallow")
     config = replace(LearnerConfig.quick(), obstacles=1)
     return learn_skill(strokes, config), [s.points for s in strokes]
-
-
-def check_readable(figure):
-    """Every axes that is seen is named, and all text is within the figure."""
-    assert isinstance(figure, Figure)
-    figure.draw_without_rendering()
-    width, height = figure.get_size_inches() * figure.dpi
-    seen = [axes for axes in figure.axes if axes.get_visible()]
-    assert seen
-    for axes in seen:
-        # The columns and rows share their outer labels, a colour bar has one.
-        assert axes.get_xlabel() or axes.get_ylabel() or axes.get_title()
-        box = axes.get_tightbbox()
-        # A pixel of rounding.
-        assert box.x0 >= -1.0
-        assert box.y0 >= -1.0
-        assert box.x1 <= width + 1.0
-        assert box.y1 <= height + 1.0
-        names = [t.get_window_extent() for t in axes.get_xticklabels() if t.get_text()]
-        assert not any(a.overlaps(b) for a, b in pairwise(names))
 
 
 def test_a_chain_is_shown_with_its_stages_and_what_was_tried(chain):
