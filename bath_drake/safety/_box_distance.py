@@ -4,7 +4,10 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.safety.arm_chain import next_link
+from bath_drake.safety.arm_chain import link_frames, place_segment
+
+ArmArrays = tuple[FloatArray, FloatArray, FloatArray]
+BoxArrays = tuple[FloatArray, FloatArray, FloatArray, IntArray]
 
 # The nearest place along a segment is found by thirds, to (2/3)^n of its length.
 _THIRDS = 16
@@ -12,59 +15,32 @@ _THIRDS = 16
 
 @njit(cache=True)
 def gaps(
-    q: FloatArray,
-    origins: FloatArray,
-    turns: FloatArray,
-    capsules: FloatArray,
-    axes: FloatArray,
-    centres: FloatArray,
-    halves: FloatArray,
-    minded: IntArray,
-    near: float,
-    rows: FloatArray,
+    q: FloatArray, arm: ArmArrays, boxes: BoxArrays, near: float, rows: FloatArray
 ) -> None:
     """Writes for each capsule its distance from the nearest box, and how it changes.
 
     Args:
         q: (7,) rad.
-        origins: As of `ArmChain`.
-        turns: The same.
-        capsules: (n, 8) the same.
-        axes: (m, 3, 3) of the boxes, in columns.
-        centres: (m, 3) m.
-        halves: (m, 3) m.
-        minded: (m, 2) first and last link that keeps off each box.
+        arm: Origins, turns and capsules (n, 8) as of `ArmChain`.
+        boxes: Axes, centres, halves and minded as of `Boxes`.
         near: Of what is farther than this a bound from below is told alone, m.
         rows: (n, 8) out: the distance, m, and its derivatives by the joints' positions,
             m/rad, zero where it is farther than `near`.
     """
+    origins, turns, capsules = arm
+    axes, centres, halves, minded = boxes
     joints = len(q)
+    R, p = link_frames(q, origins, turns)
     ends = np.empty((2, 3))
-    joint_axes, joint_origins = np.empty((joints, 3)), np.empty((joints, 3))
-    R, turned, p = np.eye(3), np.empty((3, 3)), np.zeros(3)
     point, away, best, best_away = (
         np.empty(3),
         np.empty(3),
         np.empty(3),
         np.empty(3),
     )
-    link = 0
     for k in range(len(capsules)):
-        while link < capsules[k, 0]:
-            # The nozzle, the last, is told in the frame of the link before it.
-            if link < joints:
-                next_link(p, R, turned, origins[link], turns[link], q[link])
-                R, turned = turned, R
-                for i in range(3):
-                    joint_axes[link, i], joint_origins[link, i] = R[i, 2], p[i]
-            link += 1
-        length = 0.0
-        for i in range(3):
-            for end in range(2):
-                ends[end, i] = p[i]
-                for j in range(3):
-                    ends[end, i] += R[i, j] * capsules[k, 1 + 3 * end + j]
-            length += (ends[1, i] - ends[0, i]) ** 2
+        link = place_segment(R, p, capsules[k], ends)
+        length = ((ends[1] - ends[0]) ** 2).sum()
         reach = 0.5 * np.sqrt(length) + capsules[k, 7]
         least, close = np.inf, False
         for m in range(len(centres)):
@@ -96,8 +72,8 @@ def gaps(
         for j in range(joints):
             rows[k, 1 + j] = 0.0
             if close and j < link:
-                x, y, z = best - joint_origins[j]
-                u, v, w = joint_axes[j]
+                x, y, z = best - p[j + 1]
+                u, v, w = R[j + 1, :, 2]
                 rows[k, 1 + j] = (
                     best_away[0] * (v * z - w * y)
                     + best_away[1] * (w * x - u * z)
@@ -110,34 +86,17 @@ def least_gap(
     q: FloatArray,
     way: FloatArray,
     looks: int,
-    origins: FloatArray,
-    turns: FloatArray,
-    capsules: FloatArray,
-    axes: FloatArray,
-    centres: FloatArray,
-    halves: FloatArray,
-    minded: IntArray,
+    arm: ArmArrays,
+    boxes: BoxArrays,
     far: float,
 ) -> float:
     """The least of all distances at some places from q (7,) to q + way, at most far."""
     least = far
-    rows = np.empty((len(capsules), 1 + len(q)))
+    rows = np.empty((len(arm[2]), 1 + len(q)))
     for look in range(looks):
-        there = q + look / max(looks - 1, 1) * way
-        gaps(
-            there,
-            origins,
-            turns,
-            capsules,
-            axes,
-            centres,
-            halves,
-            minded,
-            least,
-            rows,
-        )
-        for k in range(len(capsules)):
-            least = min(least, rows[k, 0])
+        gaps(q + look / max(looks - 1, 1) * way, arm, boxes, least, rows)
+        for gap in rows[:, 0]:
+            least = min(least, gap)
     return least
 
 

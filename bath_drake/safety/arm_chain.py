@@ -119,3 +119,39 @@ def next_link(
         after[i, 0] = c * x + s * y
         after[i, 1] = c * y - s * x
         after[i, 2] = z
+
+
+@njit(cache=True)
+def link_frames(
+    q: FloatArray, origins: FloatArray, turns: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Returns axes (n + 1, 3, 3) and origins (n + 1, 3), m, of base and links in B."""
+    R, p = np.empty((len(q) + 1, 3, 3)), np.empty((len(q) + 1, 3))
+    R[0], p[0] = np.eye(3), 0.0
+    for k in range(len(q)):
+        p[k + 1] = p[k]
+        next_link(p[k + 1], R[k], R[k + 1], origins[k], turns[k], q[k])
+    return R, p
+
+
+@njit(cache=True)
+def place_segment(
+    R: FloatArray, p: FloatArray, capsule: FloatArray, ends: FloatArray
+) -> int:
+    """Writes both ends (2, 3) of a capsule's segment in B, and returns its link.
+
+    Args:
+        R: Axes as of `link_frames`.
+        p: Origins as of `link_frames`.
+        capsule: (8,) a row of `ArmChain.capsules`.
+        ends: (2, 3) out, m.
+    """
+    link = int(capsule[0])
+    # The nozzle, the last, is told in the frame of the link before it.
+    told = min(link, len(p) - 1)
+    for end in range(2):
+        for i in range(3):
+            ends[end, i] = p[told, i]
+            for j in range(3):
+                ends[end, i] += R[told, i, j] * capsule[1 + 3 * end + j]
+    return link

@@ -9,7 +9,7 @@ from math import isfinite, nan
 import numpy as np
 
 from bath_drake.notation import FloatArray
-from bath_drake.safety import _box_distance
+from bath_drake.safety._box_distance import ArmArrays, BoxArrays, gaps, least_gap
 from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.safety.limits import JOINTS
 from bath_drake.safety.obstacles import Boxes
@@ -43,18 +43,7 @@ def link_gaps(
     if q.shape != (JOINTS,):
         raise ValueError(f"q must have shape ({JOINTS},), got {q.shape}")
     rows = np.empty((len(arm.capsules), 1 + JOINTS))
-    _box_distance.gaps(
-        q,
-        arm.origins,
-        arm.turns,
-        arm.capsules,
-        boxes.axes,
-        boxes.centres,
-        boxes.halves,
-        boxes.minded,
-        near,
-        rows,
-    )
+    gaps(q, _arm_arrays(arm), _box_arrays(boxes), near, rows)
     return rows
 
 
@@ -93,17 +82,20 @@ def obstacle_distance_ahead(
     if not np.isfinite(q + way).all():
         return nan
     return float(
-        _box_distance.least_gap(
+        least_gap(
             np.ascontiguousarray(q, dtype=np.float64),
             way,
             _LOOKS if way.any() else 1,
-            arm.origins,
-            arm.turns,
-            arm.capsules,
-            boxes.axes,
-            boxes.centres,
-            boxes.halves,
-            boxes.minded,
+            _arm_arrays(arm),
+            _box_arrays(boxes),
             FAR,
         )
     )
+
+
+def _arm_arrays(arm: ArmChain) -> ArmArrays:
+    return arm.origins, arm.turns, arm.capsules
+
+
+def _box_arrays(boxes: Boxes) -> BoxArrays:
+    return boxes.axes, boxes.centres, boxes.halves, boxes.minded

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.safety.arm_chain import ArmChain, next_link
+from bath_drake.safety.arm_chain import ArmChain, link_frames, place_segment
 from bath_drake.safety.limits import JOINTS
 
 # s. The fastest joint of the guard's limits (2.63 rad/s, 10 rad/s^2) goes on for 0.13 s
@@ -85,20 +85,9 @@ def _ends(
     capsules: FloatArray,
 ) -> FloatArray:
     ends = np.empty((len(capsules), 2, 3))
-    R, turned, p = np.eye(3), np.empty((3, 3)), np.zeros(3)
-    link = 0
+    R, p = link_frames(q, origins, turns)
     for k in range(len(capsules)):
-        while link < capsules[k, 0]:
-            # The nozzle, the last, is told in the frame of the link before it.
-            if link < len(q):
-                next_link(p, R, turned, origins[link], turns[link], q[link])
-                R, turned = turned, R
-            link += 1
-        for end in range(2):
-            for i in range(3):
-                ends[k, end, i] = p[i]
-                for j in range(3):
-                    ends[k, end, i] += R[i, j] * capsules[k, 1 + 3 * end + j]
+        place_segment(R, p, capsules[k], ends[k])
     return ends
 
 
