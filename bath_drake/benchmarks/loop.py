@@ -4,6 +4,7 @@ Real-time factors are of one person, washing a moving back with depth and colour
 Hz, but for `ideal`: nothing is filmed there.
 """
 
+import logging
 from dataclasses import dataclass
 
 from bath_drake.benchmarks.figures import Figure, Progress, Report
@@ -47,6 +48,8 @@ LEVELS = (
 
 def run(progress: Progress) -> Report:
     """Measures all of it."""
+    # Drake tells of every collision checker's threads.
+    logging.getLogger("drake").setLevel(logging.WARNING)
     parts = len(LEVELS) + 3
     rows: list[Row] = []
     figures: list[Figure] = []
