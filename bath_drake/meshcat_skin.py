@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from bath_drake.notation import FloatArray
 from bath_drake.patient.gltf import Part, gltf_text
 from bath_drake.patient.motion import trunk_bend
-from bath_drake.patient.normals import vertex_normals
 from bath_drake.patient.people import LABEL_BACK, load_person
 from bath_drake.patient.rig import bending_skin
 from bath_drake.patient.skin_parts import SkinPart, skin_parts
+from bath_drake.rendering.normals import vertex_normals
 from bath_drake.scenario import Scenario
 from bath_drake.scene.studio import true_person_pose, true_wound
 from bath_drake.systems._poses import at, rotation_from

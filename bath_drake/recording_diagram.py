@@ -19,6 +19,7 @@ from bath_drake.notation import ByteArray
 from bath_drake.patient.people import load_person
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.scenario import Scenario, find_demonstration
+from bath_drake.scene.camera import add_camera
 from bath_drake.scene.carer import add_carer, carer_arm
 from bath_drake.scene.config import check_scene
 from bath_drake.scene.sensing import (
@@ -85,9 +86,10 @@ def build_recording(
     studio = add_studio(builder, scene_graph, scenario.scene, person)
     add_carer(builder, studio, carer, arm)
     camera, period = scenario.scene.camera, 1.0 / scenario.perception.camera_rate
+    filming = add_camera(builder, scene_graph, camera, studio.skin_by_geometry())
     ports = add_camera_noise(
         builder,
-        camera_ports(studio.camera),
+        camera_ports(filming),
         camera,
         seed=scenario.random_seed,
         period=period,

@@ -8,7 +8,7 @@ millimetre thick.
 import numpy as np
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
-from bath_drake.patient.normals import vertex_normals
+from bath_drake.rendering.normals import vertex_normals
 
 # Thin, for it is not skin one can feel; thick enough for single precision.
 THICKNESS_M = 3e-4

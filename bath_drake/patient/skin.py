@@ -14,9 +14,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
-from bath_drake.patient.normals import vertex_normals
 from bath_drake.patient.people import LABEL_BACK, Person
 from bath_drake.perception.canonical import CanonicalMap, fit_canonical_map
+from bath_drake.rendering.normals import vertex_normals
 
 # Higher above the back's plane than any skin of it, m.
 _ABOVE_M = 0.5

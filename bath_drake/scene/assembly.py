@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from pydrake.geometry import FrameId, GeometryId, SceneGraph
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
     MultibodyPlant,
@@ -13,7 +13,6 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.controllers import InverseDynamics
 from pydrake.systems.framework import DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.rendering import MultibodyPositionToGeometryPose
-from pydrake.systems.sensors import RgbdSensor
 
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.segment_motion import SegmentedSkin
@@ -21,6 +20,7 @@ from bath_drake.patient.skin_parts import SkinPart
 from bath_drake.patient.skin_segments import segmented_skin
 from bath_drake.patient.wound import WoundPatch
 from bath_drake.scene.arm import SPONGE_BODY, add_arm, home_position, make_control_plant
+from bath_drake.scene.camera import Camera, add_camera, camera_pose
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.scene.room import add_pedestal
 from bath_drake.scene.studio import (
@@ -30,7 +30,6 @@ from bath_drake.scene.studio import (
     true_wound,
 )
 from bath_drake.scene.touched_skin import add_touched_skin
-from bath_drake.systems._poses import at
 from bath_drake.systems.gravity_compensation import GravityCompensation
 from bath_drake.systems.kinematic_arm import KinematicArm
 from bath_drake.systems.patient_motion import PatientMotion
@@ -46,7 +45,7 @@ class Scene:
         arm_command: Its input: q, v (14).
         arm_state: Its output: q, v (14).
         scene_graph: Draws everything; None where nothing is drawn and nothing needs it.
-        camera: The RgbdSensor named `camera`; None where nothing is filmed.
+        camera: The system named `camera`; None where nothing is filmed.
         patient_motion: Moves the person.
         arm: The arm's model instance in a MultibodyPlant.
         person: The true person: for verification and placing alone.
@@ -64,7 +63,7 @@ class Scene:
     arm_command: InputPort
     arm_state: OutputPort
     scene_graph: SceneGraph | None
-    camera: RgbdSensor | None
+    camera: Camera | None
     patient_motion: PatientMotion
     arm: ModelInstanceIndex | None
     person: Person
@@ -139,14 +138,16 @@ def add_scene(
             config,
             person,
             frame_period=frame_period,
-            films=films,
             segments=arm.skin,
         )
         add_pedestal(arm.scene_graph, studio.room, config.arm)
-        camera, motion, frame = (
-            studio.camera,
-            studio.patient_motion,
-            studio.person_frame,
+        motion, frame = studio.patient_motion, studio.person_frame
+        camera = (
+            add_camera(
+                builder, arm.scene_graph, config.camera, studio.skin_by_geometry()
+            )
+            if films
+            else None
         )
         skin, geometries, wound = studio.skin, studio.skin_geometries, studio.wound
     else:
@@ -169,7 +170,7 @@ def add_scene(
         skin=skin,
         skin_geometries=geometries,
         wound=wound,
-        X_WC=at(config.camera.eye, RotationMatrix(config.camera.rotation())),
+        X_WC=camera_pose(config.camera),
         config=config,
         contact_results=arm.contact_results,
         tool=arm.tool,

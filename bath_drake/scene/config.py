@@ -17,6 +17,7 @@ from bath_drake.scene.arm_file import SHIPPED, completed, find_arm
 
 CAMERA_NOISES = ("none", *CAMERA_MODELS)
 FIDELITIES = ("dynamic", "kinematic", "contact")
+RENDERERS = ("rasteriser", "vtk")
 TOOLS = ("nozzle", "sponge")
 BACKGROUNDS = ("plain", "tan_wall", "dark_wall", "clutter", "second_person")
 
@@ -44,6 +45,9 @@ class CameraConfig:
     target: list[float] = field(
         default_factory=lambda: [0.78, 0.0, 0.78]
     )  # m, W, what it looks at
+    # Who draws its images: our rasteriser, or Drake's own engine, slower, which has
+    # textures and more shapes.
+    renderer: str = "rasteriser"
     noise: str = "none"  # of its depth: none, or that of a model
     colour_noise: ColourNoiseConfig | None = None
     faults: FaultsConfig = field(default_factory=FaultsConfig)
@@ -221,6 +225,7 @@ def check_scene(config: SceneConfig) -> None:
         # A hard nozzle has no business on skin.
         _check_name("arm.tool", arm.tool, ("sponge",))
     _check_name("camera.model", camera.model, tuple(CAMERA_MODELS))
+    _check_name("camera.renderer", camera.renderer, RENDERERS)
     _check_name("camera.noise", camera.noise, CAMERA_NOISES)
     if camera.colour_noise is not None:
         try:

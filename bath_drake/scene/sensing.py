@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder, OutputPort
-from pydrake.systems.sensors import RgbdSensor
 
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter
 from bath_drake.perception.depth_sensor import CAMERA_MODELS
+from bath_drake.scene.camera import Camera
 from bath_drake.scene.config import CameraConfig
 from bath_drake.systems.camera_faults import CameraFaults
 from bath_drake.systems.colour_noise import ColourNoise
@@ -34,7 +34,7 @@ class CameraPorts:
     stamp: OutputPort | None = None
 
 
-def camera_ports(camera: RgbdSensor | None) -> CameraPorts:
+def camera_ports(camera: Camera | None) -> CameraPorts:
     """Returns the images of a scene's camera; RuntimeError if it has none."""
     if camera is None:
         raise RuntimeError("the scene has no camera")

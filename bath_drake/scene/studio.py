@@ -1,33 +1,24 @@
-"""What every Diagram's camera films: the room, the person on the stool, the camera."""
+"""What every Diagram's camera films: the room and the person on the stool."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import (
-    ClippingRange,
-    ColorRenderCamera,
-    DepthRange,
-    DepthRenderCamera,
     FrameId,
     GeometryFrame,
     GeometryId,
     GeometryInstance,
     IllustrationProperties,
-    LightParameter,
-    MakeRenderEngineVtk,
     Mesh,
     PerceptionProperties,
-    RenderCameraCore,
-    RenderEngineVtkParams,
     RenderLabel,
     Rgba,
     SceneGraph,
     SourceId,
 )
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.sensors import CameraInfo, RgbdSensor
 
 from bath_drake.patient.bending import BendingSkin
 from bath_drake.patient.motion import person_pose
@@ -37,7 +28,7 @@ from bath_drake.patient.skin_parts import SkinPart, skin_parts
 from bath_drake.patient.wound import WoundPatch, wound_patch
 from bath_drake.scene.backgrounds import add_background, room_colours
 from bath_drake.scene.bending_person import add_bending_parts
-from bath_drake.scene.config import CameraConfig, SceneConfig
+from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.room import (
     add_camera_stand,
     add_room,
@@ -54,10 +45,6 @@ from bath_drake.systems.patient_motion import PatientMotion
 PERSON_LABELS = {part: 100 + k for k, part in enumerate(PARTS)}
 WOUND_LABEL = 110
 
-_RENDERER = "vtk"
-# What the camera can see at all, m; its depth range is CameraConfig's.
-_CLIPPING = (0.1, 6.0)
-
 
 @dataclass(frozen=True, eq=False)
 class Studio:
@@ -65,7 +52,6 @@ class Studio:
 
     Attributes:
         scene_graph: Draws everything.
-        camera: The RgbdSensor named `camera`; None where nothing is filmed.
         patient_motion: Moves the person.
         person: The true person.
         person_frame: The person's frame M in the SceneGraph.
@@ -73,11 +59,9 @@ class Studio:
         skin_geometries: Theirs in the SceneGraph, in the same order.
         room: The SceneGraph's source of all that stands still.
         wound: The true wound, or None.
-        X_WC: The camera's pose.
     """
 
     scene_graph: SceneGraph
-    camera: RgbdSensor | None
     patient_motion: PatientMotion
     person: Person
     person_frame: FrameId
@@ -85,7 +69,10 @@ class Studio:
     skin_geometries: tuple[GeometryId, ...]
     room: SourceId
     wound: WoundPatch | None
-    X_WC: RigidTransform
+
+    def skin_by_geometry(self) -> dict[GeometryId, SkinPart]:
+        """The parts that bend, by their geometries."""
+        return dict(zip(self.skin_geometries, self.skin, strict=True))
 
 
 def add_studio(
@@ -95,10 +82,9 @@ def add_studio(
     person: Person,
     *,
     frame_period: float = 1.0 / 30.0,
-    films: bool = True,
     segments: SegmentedSkin | None = None,
 ) -> Studio:
-    """Adds room, person and camera to a SceneGraph in a builder.
+    """Adds room and person to a SceneGraph in a builder.
 
     Args:
         builder: Gets the systems.
@@ -106,15 +92,12 @@ def add_studio(
         config: Every number of the scene.
         person: Who sits there.
         frame_period: Of the camera, s: a bending skin is moved for each frame.
-        films: Whether there is a camera that renders.
         segments: The skin that can be touched; None where nothing touches it.
 
     Raises:
         ScenarioError: If the person is to bend and has no sound rig.
         ValueError: If the wound does not lie on the back.
     """
-    if films:
-        scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_renderer()))
     room = scene_graph.RegisterSource("room")
     add_room(scene_graph, room, room_colours(config.background))
     add_background(scene_graph, room, config)
@@ -152,20 +135,7 @@ def add_studio(
         )
     if config.visitor is not None:
         add_visitor(builder, scene_graph, config.visitor)
-    X_WC = at(config.camera.eye, RotationMatrix(config.camera.rotation()))
-    camera = _add_camera(builder, scene_graph, config.camera, X_WC) if films else None
-    return Studio(
-        scene_graph,
-        camera,
-        motion,
-        person,
-        frame,
-        skin,
-        tuple(shells),
-        room,
-        wound,
-        X_WC,
-    )
+    return Studio(scene_graph, motion, person, frame, skin, tuple(shells), room, wound)
 
 
 def add_patient_motion(
@@ -206,27 +176,6 @@ def true_person_pose(config: SceneConfig, person: Person, t: float) -> RigidTran
         person.back_normal,
     )
     return at(p, rotation_from(R))
-
-
-def _renderer() -> RenderEngineVtkParams:
-    def light(direction: list[float], intensity: float, frame: str) -> LightParameter:
-        return LightParameter(
-            type="directional",
-            direction=np.array(direction),
-            intensity=intensity,
-            frame=frame,
-        )
-
-    return RenderEngineVtkParams(
-        # As with glTF parts, so that a bending person is lit as a rigid one is.
-        force_to_pbr=True,
-        default_clear_color=np.array([0.90, 0.95, 0.97]),
-        lights=[
-            light([0.0, 0.0, 1.0], 1.4, "camera"),
-            light([0.35, 0.45, -0.82], 1.2, "world"),
-            light([0.45, -0.75, -0.5], 0.7, "world"),
-        ],
-    )
 
 
 def true_wound(config: SceneConfig, person: Person) -> WoundPatch | None:
@@ -282,30 +231,3 @@ def _register_part(
             instance.set_perception_properties(perception)
         ids.append(scene_graph.RegisterGeometry(source, frame, instance))
     return ids
-
-
-def _add_camera(
-    builder: DiagramBuilder,
-    scene_graph: SceneGraph,
-    config: CameraConfig,
-    X_WC: RigidTransform,
-) -> RgbdSensor:
-    core = RenderCameraCore(
-        _RENDERER,
-        CameraInfo(
-            config.width, config.height, config.fx, config.fy, config.cx, config.cy
-        ),
-        ClippingRange(*_CLIPPING),
-        RigidTransform(),
-    )
-    camera = RgbdSensor(
-        scene_graph.world_frame_id(),
-        X_WC,
-        ColorRenderCamera(core, False),
-        DepthRenderCamera(core, DepthRange(config.near, config.far)),
-    )
-    builder.AddNamedSystem("camera", camera)
-    builder.Connect(
-        scene_graph.get_query_output_port(), camera.query_object_input_port()
-    )
-    return camera

@@ -5,12 +5,13 @@ import pytest
 
 from bath_drake.carer.arm import FOREARM, GRIP, HAND, PARTS, UPPER_ARM
 from bath_drake.carer.config import CarerConfig
-from bath_drake.carer.shapes import capsule, ellipsoid, limbs
+from bath_drake.carer.shapes import limbs
 from bath_drake.carer.skin_path import lay_on_skin
 from bath_drake.carer.stroke import waypoint_stroke
 from bath_drake.errors import ScenarioError
 from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.skin import TrueSkin
+from bath_drake.rendering.solids import capsule, ellipsoid
 from bath_drake.scene.carer import carer_arm
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import true_person_pose

@@ -5,7 +5,6 @@ import pytest
 
 from bath_drake.errors import ScenarioError
 from bath_drake.patient.gltf import gltf_text, read_part
-from bath_drake.patient.normals import vertex_normals
 from bath_drake.patient.people import PARTS, load_person
 from bath_drake.patient.shell import (
     THICKNESS_M,
@@ -14,6 +13,7 @@ from bath_drake.patient.shell import (
     volumes,
     with_inside,
 )
+from bath_drake.rendering.normals import vertex_normals
 
 
 @pytest.mark.parametrize("part", PARTS)

@@ -9,6 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.patient.people import load_person
 from bath_drake.scene.backgrounds import CLUTTER_LABEL, SECOND_PERSON_LABEL
+from bath_drake.scene.camera import add_camera
 from bath_drake.scene.config import BACKGROUNDS, SceneConfig, check_scene
 from bath_drake.scene.room import ROOM_LABEL
 from bath_drake.scene.studio import PERSON_LABELS, add_studio
@@ -29,10 +30,11 @@ def pictured(background, person="f_thin"):
     builder.AddNamedSystem("scene_graph", scene_graph)
     config = SceneConfig(person=person, background=background)
     studio = add_studio(builder, scene_graph, config, load_person(person))
+    camera = add_camera(builder, scene_graph, config.camera, studio.skin_by_geometry())
     diagram = builder.Build()
-    view = studio.camera.GetMyContextFromRoot(diagram.CreateDefaultContext())
-    colour = studio.camera.color_image_output_port().Eval(view).data[..., :3].copy()
-    label = studio.camera.label_image_output_port().Eval(view).data[..., 0].copy()
+    view = camera.GetMyContextFromRoot(diagram.CreateDefaultContext())
+    colour = camera.color_image_output_port().Eval(view).data[..., :3].copy()
+    label = camera.label_image_output_port().Eval(view).data[..., 0].copy()
     return colour.astype(int), label
 
 

@@ -23,6 +23,7 @@ from bath_drake.perception.config import PerceptionConfig, segmentation
 from bath_drake.perception.depth_noise import noisy_depth
 from bath_drake.perception.observation import observe_body
 from bath_drake.perception.segmenter import Segmenter
+from bath_drake.scene.camera import add_camera
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.studio import (
     PERSON_LABELS,
@@ -97,8 +98,9 @@ class Filmed:
         builder, scene_graph = DiagramBuilder(), SceneGraph()
         builder.AddNamedSystem("scene_graph", scene_graph)
         studio = add_studio(builder, scene_graph, self.scene, self.person)
-        camera = studio.camera
-        assert camera is not None  # it was asked for
+        camera = add_camera(
+            builder, scene_graph, self.scene.camera, studio.skin_by_geometry()
+        )
         diagram = builder.Build()
         simulator = Simulator(diagram)
         simulator.Initialize()

@@ -4,7 +4,7 @@ import numpy as np
 import open3d as o3d
 import pytest
 
-from bath_drake.patient.normals import vertex_normals
+from bath_drake.rendering.normals import vertex_normals
 
 
 @pytest.mark.parametrize("by_area", [True, False])
