@@ -9,10 +9,12 @@ import numpy as np
 from pydrake.geometry import (
     Box,
     Capsule,
+    Convex,
     Cylinder,
     Ellipsoid,
     GeometryId,
     Mesh,
+    Rgba,
     Role,
     SceneGraphInspector,
     Sphere,
@@ -34,6 +36,7 @@ from bath_drake.rendering.solids import (
     capsule,
     cylinder,
     ellipsoid,
+    faceted,
 )
 
 # Of spheres and round ends: as round as a pixel tells.
@@ -43,9 +46,11 @@ _ROUGHNESS, _GLTF_ROUGHNESS = 0.5, 0.85
 _MAX_BYTES = 64 * 1024 * 1024
 # Of a geometry without a label, as in Drake.
 _UNLABELLED = 32764
+# Of a geometry without a colour, as in Drake.
+_COLOUR = Rgba(0.9, 0.7, 0.2)
 _ALLOWED = (
-    "allowed a box, cylinder, sphere, ellipsoid, capsule or .obj of one phong/diffuse "
-    "colour; the renderer vtk draws more (scene.camera.renderer)"
+    "allowed a box, cylinder, sphere, ellipsoid, capsule, convex or .obj of one phong/"
+    "diffuse colour; Drake's renderer draws more: scene.camera.renderer: vtk"
 )
 
 
@@ -116,10 +121,11 @@ def _look(
         normals = vertex_normals(part.vertices, part.triangles, True)
         mesh = Shape(part.vertices * shape.scale3(), normals, part.triangles)
         return mesh, part.rgba[:3], _GLTF_ROUGHNESS
-    if rgba is None:
-        raise ScenarioError(f"{name}: found no phong/diffuse colour, {_ALLOWED}")
     if _property(inspector, geometry, "phong", "diffuse_map") is not None:
         raise ScenarioError(f"{name}: found a diffuse_map, {_ALLOWED}")
+    if rgba is None and isinstance(shape, Mesh) and "mtllib" in _text(shape):
+        raise ScenarioError(f"{name}: found materials in a file, {_ALLOWED}")
+    rgba = _COLOUR if rgba is None else rgba
     colour = np.array([rgba.r(), rgba.g(), rgba.b()])
     return _rigid_shape(name, shape), colour, _ROUGHNESS
 
@@ -128,12 +134,14 @@ def _rigid_shape(name: str, shape: DrakeShape) -> Shape:
     if isinstance(shape, Mesh) and shape.extension() == ".obj":
         try:
             mesh = obj_shape(_text(shape))
-        except (ValueError, UnicodeDecodeError) as error:
+        except ValueError as error:
             raise ScenarioError(f"{name}: {error}") from error
         scale = np.asarray(shape.scale3())
         normals = mesh.normals / scale
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         return Shape(mesh.vertices * scale, normals, mesh.triangles)
+    if isinstance(shape, Convex):
+        return _hull(shape)
     if isinstance(shape, Box):
         return box(shape.size())
     if isinstance(shape, Cylinder):
@@ -148,6 +156,17 @@ def _rigid_shape(name: str, shape: DrakeShape) -> Shape:
     raise ScenarioError(f"{name}: found a {type(shape).__name__}, {_ALLOWED}")
 
 
+def _hull(convex: Convex) -> Shape:
+    hull = convex.GetConvexHull()
+    points = np.array([hull.vertex(k) for k in range(hull.num_vertices())])
+    fans = []
+    for k in range(hull.num_faces()):
+        face = hull.element(k)
+        corners = [face.vertex(i) for i in range(face.num_vertices())]
+        fans += [[corners[0], *corners[i : i + 2]] for i in range(1, len(corners) - 1)]
+    return faceted(points, np.array(fans, dtype=np.int64))
+
+
 def _text(mesh: Mesh) -> str:
     source = mesh.source()
     if source.is_in_memory():
@@ -156,7 +175,8 @@ def _text(mesh: Mesh) -> str:
         contents = read_bytes(
             Path(source.path()), limit=_MAX_BYTES, error=ScenarioError
         )
-    return contents.decode()
+    # What is not text has no face either.
+    return contents.decode(errors="replace")
 
 
 def _posed(shape: Shape, X_WG: RigidTransform) -> Shape:

@@ -8,6 +8,7 @@ from pydrake.common import MemoryFile
 from pydrake.geometry import (
     Convex,
     GeometryInstance,
+    HalfSpace,
     InMemoryMesh,
     Mesh,
     PerceptionProperties,
@@ -125,20 +126,30 @@ OBJ = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n"
 @pytest.mark.parametrize(
     ("shape", "rgba", "told"),
     [
-        (mesh(OBJ, ".obj"), None, "the_thing: found no phong/diffuse colour"),
+        (
+            mesh("mtllib a.mtl\n" + OBJ, ".obj"),
+            None,
+            "the_thing: found materials in a file.*renderer: vtk",
+        ),
         (mesh(OBJ.replace("3\n", "9\n"), ".obj"), Rgba(1, 0, 0), "the_thing: line 4"),
         (mesh("{}", ".gltf"), None, "the_thing: found a glTF in memory"),
-        (
-            Convex(points=np.eye(4)[:, :3].T * 0.1 + 0.1, label="hull"),
-            Rgba(1, 0, 0),
-            "the_thing: found a Convex.*renderer vtk",
-        ),
+        (HalfSpace(), Rgba(1, 0, 0), "the_thing: found a HalfSpace"),
     ],
 )
 def test_what_only_drakes_renderer_draws_is_named(shape, rgba, told):
     scene_graph = scene_with(shape, rgba)
     with pytest.raises(ScenarioError, match=told):
         drawing(scene_graph.model_inspector())
+
+
+def test_a_convex_hull_is_drawn_in_drakes_colour_for_what_has_none():
+    corners = np.array(np.meshgrid(*[[-0.1, 0.2]] * 3)).reshape(3, -1)
+    scene_graph = scene_with(Convex(points=corners, label="hull"))
+    (surface,) = drawing(scene_graph.model_inspector()).still
+    a, b, c = (surface.shape.vertices[surface.shape.triangles[:, k]] for k in range(3))
+    # A closed cube of 0.3 m, outside out.
+    assert (np.cross(a, b) * c).sum() / 6.0 == pytest.approx(0.027, rel=1e-9)
+    np.testing.assert_allclose(surface.rgb, [0.9, 0.7, 0.2])
 
 
 def test_a_renderer_that_there_is_not_is_refused():
