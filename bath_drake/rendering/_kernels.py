@@ -21,7 +21,9 @@ def place(
     X_CG: FloatArray,
     roughness: FloatArray,
     lights_C: FloatArray,
+    lens: FloatArray,
     points_C: FloatArray,
+    pixels: FloatArray,
     lit: FloatArray,
 ) -> None:
     """Puts vertices before the camera and lights them.
@@ -33,7 +35,10 @@ def place(
         X_CG: (k, 3, 4) poses.
         roughness: (k,) 0 to 1.
         lights_C: (l, 4) unit direction towards each light, and its intensity.
+        lens: fx, fy, cx, cy, pixels.
         points_C: (n, 3) m, is written.
+        pixels: (n, 2) column and row, whole at centres, is written; of no account
+            behind the camera.
         lit: (n, 2) is written: what multiplies the colour, and what is added to it.
     """
     for n in range(len(vertices)):
@@ -45,6 +50,9 @@ def place(
         py = X[1, 0] * x + X[1, 1] * y + X[1, 2] * z + X[1, 3]
         pz = X[2, 0] * x + X[2, 1] * y + X[2, 2] * z + X[2, 3]
         points_C[n, 0], points_C[n, 1], points_C[n, 2] = px, py, pz
+        ahead = max(pz, 1e-12)
+        pixels[n, 0] = lens[0] * px / ahead + lens[2] - 0.5
+        pixels[n, 1] = lens[1] * py / ahead + lens[3] - 0.5
         nx = X[0, 0] * a + X[0, 1] * b + X[0, 2] * c
         ny = X[1, 0] * a + X[1, 1] * b + X[1, 2] * c
         nz = X[2, 0] * a + X[2, 1] * b + X[2, 2] * c
@@ -93,13 +101,17 @@ def _edges(
         volume += points_C[first, i] * edges[0, i]
     if abs(volume) < 1e-15:
         return False
-    edges /= volume
+    scale = 1.0 / volume
+    for k in range(3):
+        for i in range(3):
+            edges[k, i] *= scale
     return True
 
 
 @njit(cache=True)
 def find_nearest(
     points_C: FloatArray,
+    pixels: FloatArray,
     triangles: IntArray,
     lens: FloatArray,
     nearest: float,
@@ -110,6 +122,7 @@ def find_nearest(
 
     Args:
         points_C: (n, 3) m.
+        pixels: (n, 2) as `place` writes them.
         triangles: (m, 3) indices.
         lens: fx, fy, cx, cy, pixels.
         nearest: Depth before which nothing is seen, m.
@@ -124,13 +137,11 @@ def find_nearest(
         before, behind = 0, 0
         for k in range(3):
             corner = triangles[face, k]
-            z = points_C[corner, 2]
-            if z <= nearest:
+            if points_C[corner, 2] <= nearest:
                 behind += 1
                 continue
             before += 1
-            u = fx * points_C[corner, 0] / z + cx - 0.5
-            v = fy * points_C[corner, 1] / z + cy - 0.5
+            u, v = pixels[corner, 0], pixels[corner, 1]
             left, right = min(left, u), max(right, u)
             top, bottom = min(top, v), max(bottom, v)
         if before == 0:
@@ -175,6 +186,7 @@ def colour_in(
     colour: ByteArray,
     depth: NDArray[np.float32],
     label: NDArray[np.int16],
+    told: tuple[float, float],
 ) -> None:
     """Writes colour, depth and label of each pixel that shows a triangle.
 
@@ -191,8 +203,10 @@ def colour_in(
         colour: (H, W, 4) is written.
         depth: (H, W) m, is written.
         label: (H, W) is written.
+        told: The nearest and farthest depth that is told, m; 0 and inf beyond.
     """
     height, width = faces.shape
+    near, far = told
     edges, before = np.empty((3, 3)), -1
     top = len(shades) - 1
     for v in range(height):
@@ -217,5 +231,6 @@ def colour_in(
                 light = min(max(rgb[surface, c] * diffuse + specular, 0.0), 1.0)
                 colour[v, u, c] = shades[int(np.sqrt(light) * top + 0.5)]
             colour[v, u, 3] = 255
-            depth[v, u] = 1.0 / total
+            z = 1.0 / total
+            depth[v, u] = 0.0 if z < near else (np.inf if z > far else z)
             label[v, u] = labels[surface]

@@ -63,7 +63,8 @@ class Picture:
 
     Attributes:
         colour: (H, W, 4) red, green, blue, opacity.
-        depth: (H, W) m along the optical axis; inf where there is nothing.
+        depth: (H, W) m along the optical axis; 0 where it is too near to be told, inf
+            where it is too far or there is nothing.
         label: (H, W) of the surfaces; `NOTHING` where there is none.
     """
 
@@ -84,6 +85,7 @@ class Rasteriser:
         camera: PinholeCamera,
         X_WC: FloatArray,
         clipping: tuple[float, float],
+        depth_range: tuple[float, float] = (0.0, np.inf),
         lights: Sequence[Light],
         background: FloatArray,
         still: Sequence[Surface] = (),
@@ -95,6 +97,7 @@ class Rasteriser:
             camera: Without distortion.
             X_WC: (4, 4) its pose.
             clipping: Depths between which anything is seen, m, both positive.
+            depth_range: The nearest and farthest depth that is told, m.
             lights: Of the scene.
             background: (3,) colour where there is nothing, 0 to 1.
             still: Surfaces in W.
@@ -108,7 +111,7 @@ class Rasteriser:
             raise ValueError(f"clipping must be 0 < near < far, got {clipping}")
         if X_WC.shape != (4, 4) or not np.isfinite(X_WC).all():
             raise ValueError(f"X_WC must be a finite (4, 4) pose, got {X_WC!r:.80}")
-        self._near = near
+        self._near, self._told = near, depth_range
         self._X_CW: FloatArray = np.linalg.inv(X_WC).astype(np.float64)
         self._lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
         self._lights_C = _lights_in_camera(lights, self._X_CW[:3, :3])
@@ -120,6 +123,9 @@ class Rasteriser:
         )
         self._behind.colour[:] = [*np.rint(255.0 * np.asarray(background)), 255]
         self._inverse_depth = np.full(camera.shape, 1.0 / far)
+        # Written before every use: they remember nothing.
+        self._scratch = np.empty(camera.shape)
+        self._faces = np.empty(camera.shape, dtype=np.int32)
         fine = [
             Surface(subdivided(s.shape, _LONGEST_EDGE_M), s.rgb, s.label, s.roughness)
             for s in still
@@ -144,7 +150,8 @@ class Rasteriser:
             self._behind.depth.copy(),
             self._behind.label.copy(),
         )
-        self._draw(drawn, X_WG, self._inverse_depth.copy(), picture)
+        np.copyto(self._scratch, self._inverse_depth)
+        self._draw(drawn, X_WG, self._scratch, picture)
         return picture
 
     def _draw(
@@ -158,7 +165,8 @@ class Rasteriser:
             return
         X_CG = self._X_CW[:3, :3] @ X_WG
         X_CG[:, :, 3] += self._X_CW[:3, 3]
-        points_C, lit = np.empty_like(drawn.vertices), np.empty((len(drawn.owner), 2))
+        points_C = np.empty_like(drawn.vertices)
+        pixels, lit = np.empty((2, len(drawn.owner), 2))
         place(
             drawn.vertices,
             drawn.normals,
@@ -166,12 +174,21 @@ class Rasteriser:
             X_CG,
             drawn.roughness,
             self._lights_C,
+            self._lens,
             points_C,
+            pixels,
             lit,
         )
-        faces = np.full(inverse_depth.shape, -1, dtype=np.int32)
+        faces = self._faces
+        faces.fill(-1)
         find_nearest(
-            points_C, drawn.triangles, self._lens, self._near, inverse_depth, faces
+            points_C,
+            pixels,
+            drawn.triangles,
+            self._lens,
+            self._near,
+            inverse_depth,
+            faces,
         )
         colour_in(
             points_C,
@@ -186,6 +203,7 @@ class Rasteriser:
             picture.colour,
             picture.depth,
             picture.label,
+            self._told,
         )
 
 

@@ -83,6 +83,7 @@ def _rasterised(
         camera=config.pinhole(),
         X_WC=np.array(camera_pose(config).GetAsMatrix4()),
         clipping=_CLIPPING,
+        depth_range=(config.near, config.far),
         lights=_LIGHTS,
         background=np.array(_BACKGROUND),
         still=seen.still,
@@ -91,7 +92,6 @@ def _rasterised(
     return RasterisedCamera(
         rasteriser=rasteriser,
         camera=config.pinhole(),
-        depth_range=(config.near, config.far),
         geometries=seen.geometries,
         bending={g: len(part.shell) // 2 for g, part in skin.items()},
     )

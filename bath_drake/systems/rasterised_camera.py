@@ -33,9 +33,8 @@ class RasterisedCamera(LeafSystem):
         - depth_image_32f
         - label_image
 
-    Ports and images are those of Drake's RgbdSensor: nothing nearer than `near` has a
-    depth (0), nothing beyond `far` (inf). All three are of one picture, drawn once.
-    Stateless.
+    Ports and images are those of Drake's RgbdSensor. All three are of one picture,
+    drawn once. Stateless.
     """
 
     def __init__(
@@ -43,7 +42,6 @@ class RasterisedCamera(LeafSystem):
         *,
         rasteriser: Rasteriser,
         camera: PinholeCamera,
-        depth_range: tuple[float, float],
         geometries: Sequence[GeometryId],
         bending: Mapping[GeometryId, int] | None = None,
     ) -> None:
@@ -52,13 +50,12 @@ class RasterisedCamera(LeafSystem):
         Args:
             rasteriser: Draws; its moving surfaces are `geometries`.
             camera: The rasteriser's.
-            depth_range: The nearest and farthest depth that is told, m.
             geometries: In the SceneGraph, in the rasteriser's order.
             bending: Those that are deformable: how many of their vertices, the first,
                 are the surface's.
         """
         super().__init__()
-        self._rasteriser, self._range = rasteriser, depth_range
+        self._rasteriser = rasteriser
         self._geometries, self._bending = tuple(geometries), dict(bending or {})
         self._query = self.DeclareAbstractInputPort(
             "geometry_query", AbstractValue.Make(QueryObject())
@@ -119,11 +116,7 @@ class RasterisedCamera(LeafSystem):
         output.get_mutable_value().mutable_data[:] = self._drawn(context).colour
 
     def _calc_depth(self, context: Any, output: Any) -> None:
-        near, far = self._range
-        depth = self._drawn(context).depth
-        told = np.where(depth > far, np.float32(np.inf), depth)
-        told[depth < near] = 0.0
-        output.get_mutable_value().mutable_data[..., 0] = told
+        output.get_mutable_value().mutable_data[..., 0] = self._drawn(context).depth
 
     def _calc_label(self, context: Any, output: Any) -> None:
         output.get_mutable_value().mutable_data[..., 0] = self._drawn(context).label

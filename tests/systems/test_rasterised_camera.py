@@ -43,6 +43,7 @@ def filmed():
         camera=CAMERA,
         X_WC=np.eye(4),
         clipping=(0.1, 6.0),
+        depth_range=(NEAR, FAR),
         lights=[],
         background=np.array([0.9, 0.9, 0.9]),
         moving=drawn.moving,
@@ -50,7 +51,6 @@ def filmed():
     camera = RasterisedCamera(
         rasteriser=rasteriser,
         camera=CAMERA,
-        depth_range=(NEAR, FAR),
         geometries=drawn.geometries,
     )
     builder.AddNamedSystem("camera", camera)
@@ -122,8 +122,6 @@ def test_a_camera_of_no_scene_names_its_port():
         lights=[],
         background=np.zeros(3),
     )
-    camera = RasterisedCamera(
-        rasteriser=rasteriser, camera=CAMERA, depth_range=(NEAR, FAR), geometries=()
-    )
+    camera = RasterisedCamera(rasteriser=rasteriser, camera=CAMERA, geometries=())
     with pytest.raises(RuntimeError, match=r"'geometry_query'.* is not connected"):
         camera.color_image_output_port().Eval(camera.CreateDefaultContext())
