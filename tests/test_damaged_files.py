@@ -4,7 +4,7 @@ import resource
 import shutil
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -154,6 +154,15 @@ KINDS = {
 }
 
 
+@dataclass(frozen=True)
+class Whole:
+    """What is damaged, as it was; told briefly where a test fails."""
+
+    kind: Kind
+    path: Path
+    contents: dict[str, bytes] = field(repr=False)
+
+
 @pytest.fixture(scope="module", params=KINDS)
 def whole(request, tmp_path_factory):
     kind = KINDS[request.param]
@@ -162,15 +171,16 @@ def whole(request, tmp_path_factory):
     contents = {
         file: (path / file if file else path).read_bytes() for file in kind.files
     }
-    return kind, path, contents
+    return Whole(kind, path, contents)
 
 
 def check(whole, which, changes) -> None:
-    kind, path, contents = whole
+    kind, path, contents = whole.kind, whole.path, whole.contents
     file = kind.files[int(which * len(kind.files))]
     target = path / file if file else path
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    begin = time.perf_counter()
+    # Of this process: other work on the machine is not the reader's.
+    begin = time.process_time()
     said = ""
     try:
         target.write_bytes(damaged(contents[file], changes))
@@ -181,7 +191,7 @@ def check(whole, which, changes) -> None:
         target.write_bytes(contents[file])
     assert "\n" not in said
     assert len(said) < 1000
-    assert time.perf_counter() - begin < SECONDS
+    assert time.process_time() - begin < SECONDS
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < GROWTH_KB
 
 
