@@ -22,6 +22,7 @@ from bath_drake.reach.placement import (
     search_placement,
 )
 from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.obstacle_distance import FAR
 from bath_drake.scenario import Scenario
 
 
@@ -67,6 +68,7 @@ class Reachability:
                 "condition": _most(path.condition),
                 "joint_margin": _least(path.margin),
                 "self_distance": _least(path.self_distance),
+                "obstacle_distance": _least(path.obstacle_distance),
                 "not_reached": not_reached(path),
             },
             "back": None
@@ -115,6 +117,7 @@ def reachability(
         far_standoff=control.far_standoff,
         approach_speed=control.approach_speed,
         washing_speed=control.washing_speed,
+        leash=control.leash,
         limits=limits,
     )
     path_N = driven_path(skill, there.areas, there.half_extents, control.washing_speed)
@@ -160,7 +163,8 @@ def _path_words(path: Places, rest: Places, limits: GuardLimits) -> str:
         slow = " (slowed down)" if condition > joints.condition_slow else ""
         return (
             f"the whole path is reached; condition number at most {condition:.0f}{slow}"
-            f", {_least(path.margin) or 0.0:.2f} rad from a joint's end"
+            f", {_least(path.margin) or 0.0:.2f} rad from a joint's end, "
+            f"links {_off_words(path)} off person, stool and pedestal"
         )
     told = "; ".join(
         f"from ({part['from'][0]:.2f}, {part['from'][1]:.2f}) to "
@@ -170,6 +174,12 @@ def _path_words(path: Places, rest: Places, limits: GuardLimits) -> str:
     more = f" and {len(parts) - 3} more parts" if len(parts) > 3 else ""
     where = "" if not rest.reached else " in every pose of the person, at rest all"
     return f"{100.0 * path.share:.1f} % of the path is reached{where}; {told}{more}"
+
+
+def _off_words(path: Places) -> str:
+    gap = _least(path.obstacle_distance)
+    more = ">" if gap is None or gap >= FAR else ""
+    return f"{more}{1e3 * (FAR if gap is None else gap):.0f} mm"
 
 
 def _base_words(here: Placement, best: Placement) -> str:
