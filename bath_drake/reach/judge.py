@@ -11,7 +11,7 @@ from bath_drake.reach.kinematics import ArmModel
 from bath_drake.safety.limits import GuardLimits
 
 # A nozzle that is this far off, m and rad, has not followed.
-_BEHIND_M, _BEHIND_RAD = 0.005, 0.05
+BEHIND_M, _BEHIND_RAD = 0.005, 0.05
 _ELBOW = 3
 
 
@@ -101,7 +101,7 @@ def judge(
     """
     distance = followed.self_distance()
     slowed = followed.slowed
-    behind = (followed.place_error > _BEHIND_M) | (followed.jet_error > _BEHIND_RAD)
+    behind = (followed.place_error > BEHIND_M) | (followed.jet_error > _BEHIND_RAD)
     behind &= ~slowed
     straight = followed.at_limit == _ELBOW
     straight &= followed.q[:, _ELBOW] > (arm.low + arm.high)[_ELBOW] / 2.0

@@ -11,7 +11,7 @@ from bath_drake.patient.people import load_person
 from bath_drake.reach.along_path import Manner, along
 from bath_drake.reach.back import true_back
 from bath_drake.reach.clearance import body_points
-from bath_drake.reach.judge import Cause, Places, worst
+from bath_drake.reach.judge import BEHIND_M, Cause, Places, worst
 from bath_drake.reach.kinematics import ArmModel
 from bath_drake.reach.over_back import over
 from bath_drake.reach.path import driven_path
@@ -164,7 +164,7 @@ def _path_words(path: Places, rest: Places, limits: GuardLimits) -> str:
         return (
             f"the whole path is reached; condition number at most {condition:.0f}{slow}"
             f", {_least(path.margin) or 0.0:.2f} rad from a joint's end, "
-            f"links {_off_words(path)} off person, stool and pedestal"
+            f"links {_off_words(path)}"
         )
     told = "; ".join(
         f"from ({part['from'][0]:.2f}, {part['from'][1]:.2f}) to "
@@ -179,7 +179,11 @@ def _path_words(path: Places, rest: Places, limits: GuardLimits) -> str:
 def _off_words(path: Places) -> str:
     gap = _least(path.obstacle_distance)
     more = ">" if gap is None or gap >= FAR else ""
-    return f"{more}{1e3 * (FAR if gap is None else gap):.0f} mm"
+    off = f"{more}{1e3 * (FAR if gap is None else gap):.0f} mm"
+    behind = _most(path.place_error) or 0.0
+    lag = f" (the nozzle up to {1e3 * behind:.0f} mm off its path for that)"
+    told = lag if behind > BEHIND_M else ""
+    return f"{off} off person, stool and pedestal{told}"
 
 
 def _base_words(here: Placement, best: Placement) -> str:

@@ -214,6 +214,15 @@ def test_a_wrist_that_stays_before_the_person_is_refused_and_told(person):
     assert "a link would come too near to person, stool or pedestal" in line
 
 
+def test_a_nozzle_that_makes_way_for_a_link_but_little_is_told_and_not_refused():
+    found = found_of("other_arm", "m_thin")
+    lag = MANNER.leash * 0.25  # no back is 0.5 m high or wide
+    assert found.path.reached
+    assert 0.005 < found.path.place_error.max() < lag
+    (line,) = found.lines()
+    assert "(the nozzle up to " in line
+
+
 def test_a_base_from_which_no_link_is_in_the_way_is_told():
     scenario = load_scenario("other_arm")
     scenario.scene.person = "f_thin"
