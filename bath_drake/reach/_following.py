@@ -27,7 +27,7 @@ CONDITION, PLACE_ERROR, JET_ERROR, AT_LIMIT, GAP, SLOWED = range(6)
 FACTS = 6
 # How often a velocity that is too fast is halved.
 _SLOWER = 4
-# A pose is met within this, rad and m, or is waited for in so many steps at most.
+# A pose is met within this, rad and m, or is waited for in so many steps at most,
 # and no more once a step brings it no nearer than to such a share.
 _NEAR, _NEARER, _PATIENCE = 1e-3, 0.96, 16
 # One that is slowed to keep links off is waited for while its null space still moves
@@ -74,7 +74,7 @@ def follow(
         positions: (n, 7) out, rad.
         facts: (n, FACTS) out: condition number, distance from the wanted place (m),
             angle to the wanted jet (rad), the joint at its limit (-1: none), least
-            distance of a link from a box (m), 1 if the arm is slowed for one else 0.
+            distance of a link from a box (m), 1 if the nozzle lags for one else 0.
     """
     origins, turns, capsules = arm
     stop, near, gain, most_push = avoidance
@@ -85,12 +85,13 @@ def follow(
     rows = np.empty((len(capsules), 1 + joints))
     pose_and_jacobian(q, origins, turns, tip, p, R, J)
     gaps(q, arm, boxes, minded, rows)
-    gap = rows[:, 0].min()
+    # Whether it was slowed for a link and has not caught up since.
+    gap, late = rows[:, 0].min(), False
     for n in range(len(tips)):
         dt, before = seconds[n], np.inf
         # Exactly what a long step of a pull with 1/s comes to.
         pull = (1.0 - np.exp(-dt)) / dt
-        facts[n, GAP], share = gap, 1.0
+        facts[n, GAP] = gap
         for step in range(_LONG_PATIENCE):
             _twist(p, R, tips[n], jets[n], dt, V)
             # One that lags is led no faster: what is asked for slows all the rest too.
@@ -111,6 +112,7 @@ def follow(
                 v += reachable_share(v, added, least, most) * added
                 share = damped_share(v, rows, stop, gain)
                 v *= share
+                late = late or share < 1.0
             for k in range(joints):
                 q[k] = min(max(q[k] + dt * v[k], low[k]), high[k])
             pose_and_jacobian(q, origins, turns, tip, p, R, J)
@@ -121,6 +123,7 @@ def follow(
             # The loop waits for an arm that lags, as long as it comes nearer.
             behind = np.abs(V).max()
             if behind < _NEAR:
+                late = False
                 break
             moving = share < 1.0 and np.abs(v).max() > _MOVING
             if not moving and (behind > _NEARER * before or step + 1 >= _PATIENCE):
@@ -130,8 +133,8 @@ def follow(
         facts[n, CONDITION] = condition(J)
         facts[n, PLACE_ERROR] = np.sqrt(V[2] ** 2 + V[3] ** 2 + V[4] ** 2)
         facts[n, JET_ERROR] = np.sqrt(V[0] ** 2 + V[1] ** 2)
+        facts[n, SLOWED] = 1.0 if late else 0.0
         facts[n, AT_LIMIT] = -1.0
-        facts[n, SLOWED] = 1.0 if share < 1.0 else 0.0
         for k in range(joints):
             if q[k] < low[k] + 1e-6 or q[k] > high[k] - 1e-6:
                 facts[n, AT_LIMIT] = k

@@ -59,7 +59,7 @@ class Followed:
         jet_error: (n,) to the wanted jet, rad.
         at_limit: (n,) the joint that stands at the end of its range, from 0; -1: none.
         obstacle_distance: (n,) of the links from what they keep off, at most `FAR`, m.
-        slowed: (n,) whether the arm is slowed to keep them off.
+        slowed: (n,) whether the nozzle lags, for the arm was slowed to keep them off.
     """
 
     arm: ArmChain
