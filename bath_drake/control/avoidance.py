@@ -11,11 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bath_drake.control import _keeping_off
 from bath_drake.notation import FloatArray
-
-# Singular values below such a share of the greatest are lost; m^2/rad^2 below which no
-# motion in the null space moves a link; how often the worst link is looked after.
-_LOST, _FLAT, _BENDS = 1e-2, 1e-4, 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,15 +47,8 @@ def push_away(rows: FloatArray, config: AvoidanceConfig) -> FloatArray:
         rows: (n, 8) as of `bath_drake.safety.obstacle_distance.link_gaps`.
         config: When and how hard.
     """
-    push = np.zeros(rows.shape[1] - 1)
-    for row in rows[rows[:, 0] < config.near]:
-        slope = row[1:]
-        size = float(slope @ slope)
-        # A link that no joint moves away is nobody's to push.
-        if size > 1e-6:
-            push += slope * (config.gain * (config.near - row[0]) / size)
-    most = float(np.abs(push).max(initial=0.0))
-    return push * (config.push / most) if most > config.push else push
+    push = _keeping_off.push_away(_flat(rows), config.near, config.gain, config.push)
+    return np.asarray(push)
 
 
 def bend(
@@ -75,31 +65,16 @@ def bend(
         rows: (n, 8) as of `bath_drake.safety.obstacle_distance.link_gaps`.
         config: When and how hard.
     """
-    allowed = _allowed(rows, config)
-    added = np.zeros_like(v)
-    if not (rows[:, 1:] @ v < -allowed).any():
-        return added
-    free = np.eye(len(v)) - np.linalg.pinv(J, rcond=_LOST) @ J
-    slopes = rows[:, 1:] @ free
-    for _ in range(_BENDS):
-        missing = -allowed - rows[:, 1:] @ (v + added)
-        worst = int(missing.argmax())
-        size = float(slopes[worst] @ slopes[worst])
-        if missing[worst] <= 0.0 or size < _FLAT:
-            break
-        added += slopes[worst] * (missing[worst] / size)
-    return added
+    v, J, rows = _flat(v), _flat(J), _flat(rows)
+    return np.asarray(_keeping_off.bend(v, J, rows, config.stop, config.gain))
 
 
 def reachable_share(
     start: FloatArray, change: FloatArray, low: FloatArray, high: FloatArray
 ) -> float:
     """Returns how much of a change (7,) keeps velocities within bounds, 0 to 1."""
-    room = np.where(change > 0.0, high - start, start - low)
-    size = np.abs(change)
-    moved = size > 1e-12
-    shares = np.maximum(room[moved], 0.0) / size[moved]
-    return float(shares.min(initial=1.0))
+    bounds = _flat(low), _flat(high)
+    return float(_keeping_off.reachable_share(_flat(start), _flat(change), *bounds))
 
 
 def damped_share(v: FloatArray, rows: FloatArray, config: AvoidanceConfig) -> float:
@@ -110,11 +85,9 @@ def damped_share(v: FloatArray, rows: FloatArray, config: AvoidanceConfig) -> fl
         rows: (n, 8) as of `bath_drake.safety.obstacle_distance.link_gaps`.
         config: When and how hard.
     """
-    nearing, allowed = -(rows[:, 1:] @ v), _allowed(rows, config)
-    fast = nearing > allowed
-    return float((allowed[fast] / nearing[fast]).min(initial=1.0))
+    v, rows = _flat(v), _flat(rows)
+    return float(_keeping_off.damped_share(v, rows, config.stop, config.gain))
 
 
-def _allowed(rows: FloatArray, config: AvoidanceConfig) -> FloatArray:
-    """How fast each link may near what it is next to, m/s."""
-    return np.asarray(config.gain * np.maximum(rows[:, 0] - config.stop, 0.0))
+def _flat(values: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=np.float64)

@@ -1,8 +1,7 @@
-"""Forward kinematics and the steps of the inverse kinematics, compiled.
+"""Forward kinematics and one step of the inverse kinematics, compiled.
 
-In the arm's base frame B; see `bath_drake.reach.kinematics` and
-`bath_drake.reach.follow` for what they mean. The arm's dimensions are arguments, for
-numba freezes what is global.
+In the arm's base frame B; see `bath_drake.reach.kinematics` for what they mean. The
+arm's dimensions are arguments, for numba freezes what is global.
 """
 
 import numpy as np
@@ -12,18 +11,13 @@ from bath_drake.notation import FloatArray
 from bath_drake.safety.arm_chain import next_link
 
 # Rows of the Jacobian in E: all but the turn about the jet.
-_ROWS = 5
+ROWS = 5
 _JOINTS = 7
 # Below such a share of the greatest singular value a direction is given up.
 _LEAST_SHARE = 1e-4
 # How many joints may stand at a bound before the nozzle must stay behind.
 _MOST_BOUND = 2
-_SHORT, _TOO_FAST = -1, -2
-# How often a velocity that is too fast is halved.
-_SLOWER = 4
-# A pose is met within this, rad and m, or is waited for in so many steps at most.
-# and no more once a step brings it no nearer than to such a share.
-_NEAR, _NEARER, _PATIENCE = 1e-3, 0.96, 16
+_SHORT, TOO_FAST = -1, -2
 
 
 @njit(cache=True)
@@ -78,7 +72,7 @@ def condition(J: FloatArray) -> float:
     values = np.linalg.eigvalsh(J @ J.T)
     if not values[0] > 0.0:
         return np.inf
-    return float(np.sqrt(values[_ROWS - 1] / values[0]))
+    return float(np.sqrt(values[ROWS - 1] / values[0]))
 
 
 @njit(cache=True)
@@ -97,15 +91,15 @@ def solve(
 
     Returns:
         How many joints stand at a bound; _SHORT if the joints that are left cannot go
-        all of V's directions, and the others are gone; _TOO_FAST if too many joints
+        all of V's directions, and the others are gone; TOO_FAST if too many joints
         would pass their bounds: then v says nothing.
     """
     bound = np.zeros(_JOINTS)
     count = 0
-    left = np.empty(_ROWS)
-    A = np.empty((_ROWS, _JOINTS))
+    left = np.empty(ROWS)
+    A = np.empty((ROWS, _JOINTS))
     while True:
-        for i in range(_ROWS):
+        for i in range(ROWS):
             left[i] = V[i]
             for k in range(_JOINTS):
                 if bound[k] != 0.0:
@@ -119,18 +113,18 @@ def solve(
         for k in range(_JOINTS):
             if bound[k] == 0.0:
                 v[k] = wanted[k]
-        for i in range(_ROWS):
+        for i in range(ROWS):
             # Directions that are as good as lost are given up.
-            if not values[i] > values[_ROWS - 1] * _LEAST_SHARE**2:
+            if not values[i] > values[ROWS - 1] * _LEAST_SHARE**2:
                 short += 1
                 continue
             share = 0.0
-            for j in range(_ROWS):
+            for j in range(ROWS):
                 share += U[j, i] * left[j]
             share /= values[i]
             for k in range(_JOINTS):
                 if bound[k] == 0.0:
-                    for j in range(_ROWS):
+                    for j in range(ROWS):
                         v[k] += A[j, k] * U[j, i] * share
         worst, most = -1, 1e-9
         for k in range(_JOINTS):
@@ -140,111 +134,7 @@ def solve(
         if worst < 0:
             return count if short == 0 else _SHORT
         if count == _MOST_BOUND:
-            return _TOO_FAST
+            return TOO_FAST
         bound[worst] = 1.0
         v[worst] = min(max(v[worst], low[worst]), high[worst])
         count += 1
-
-
-@njit(cache=True)
-def follow(
-    q: FloatArray,
-    tips: FloatArray,
-    jets: FloatArray,
-    seconds: FloatArray,
-    posture: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-    speed: FloatArray,
-    origins: FloatArray,
-    turns: FloatArray,
-    tip: FloatArray,
-    positions: FloatArray,
-    facts: FloatArray,
-) -> None:
-    """Follows poses from q (7,) on, which is left where the last one was.
-
-    Args:
-        q: In and out, rad.
-        tips: (n, 3) places of the nozzle's tip in B, m.
-        jets: (n, 3) unit vectors along the jet.
-        seconds: (n,) what each step takes.
-        posture: (7,) that the null space is drawn to with 1/s, rad.
-        low: (7,) rad.
-        high: (7,) rad.
-        speed: (7,) rad/s.
-        origins: As of `pose_and_jacobian`.
-        turns: The same.
-        tip: The same.
-        positions: (n, 7) out, rad.
-        facts: (n, 4) out: condition number, distance from the wanted place (m), angle
-            to the wanted jet (rad), the joint at its limit (-1: none).
-    """
-    p, R, J = np.empty(3), np.empty((3, 3)), np.empty((_ROWS, _JOINTS))
-    V, wanted, v = np.empty(_ROWS), np.empty(_JOINTS), np.empty(_JOINTS)
-    least, most = np.empty(_JOINTS), np.empty(_JOINTS)
-    pose_and_jacobian(q, origins, turns, tip, p, R, J)
-    for n in range(len(tips)):
-        dt, before = seconds[n], np.inf
-        for _ in range(_PATIENCE):
-            _twist(p, R, tips[n], jets[n], dt, V)
-            for k in range(_JOINTS):
-                least[k] = max(-speed[k], (low[k] - q[k]) / dt)
-                most[k] = min(speed[k], (high[k] - q[k]) / dt)
-                # Exactly what a long step of the pull with 1/s comes to.
-                wanted[k] = (posture[k] - q[k]) * (1.0 - np.exp(-dt)) / dt
-            # Slower in the same direction, where it would be too fast.
-            found = solve(J, V, wanted, least, most, v)
-            for _ in range(_SLOWER):
-                if found != _TOO_FAST:
-                    break
-                for k in range(_JOINTS):
-                    wanted[k] *= 0.5
-                for k in range(_ROWS):
-                    V[k] *= 0.5
-                found = solve(J, V, wanted, least, most, v)
-            for k in range(_JOINTS):
-                if found == _TOO_FAST:
-                    v[k] = 0.0
-                q[k] = min(max(q[k] + dt * v[k], low[k]), high[k])
-                positions[n, k] = q[k]
-            pose_and_jacobian(q, origins, turns, tip, p, R, J)
-            _twist(p, R, tips[n], jets[n], 1.0, V)
-            # The loop waits for an arm that lags, as long as it comes nearer.
-            behind = np.abs(V).max()
-            if behind < _NEAR or behind > _NEARER * before:
-                break
-            before = behind
-        facts[n, 0] = condition(J)
-        facts[n, 1] = np.sqrt(V[2] ** 2 + V[3] ** 2 + V[4] ** 2)
-        facts[n, 2] = np.sqrt(V[0] ** 2 + V[1] ** 2)
-        facts[n, 3] = -1.0
-        for k in range(_JOINTS):
-            if q[k] < low[k] + 1e-6 or q[k] > high[k] - 1e-6:
-                facts[n, 3] = k
-
-
-@njit(cache=True)
-def _twist(
-    p: FloatArray,
-    R: FloatArray,
-    there: FloatArray,
-    jet: FloatArray,
-    dt: float,
-    V: FloatArray,
-) -> None:
-    """Writes the five rows of the twist in E that leads to a pose in dt."""
-    along = across_x = across_y = 0.0
-    for j in range(3):
-        across_x += R[j, 0] * jet[j]
-        across_y += R[j, 1] * jet[j]
-        along += R[j, 2] * jet[j]
-    sine = np.sqrt(across_x**2 + across_y**2)
-    turn = np.arctan2(sine, along)
-    share = turn / sine / dt if sine > 1e-12 else 0.0
-    # z x jet, in E: the least turn from the one to the other.
-    V[0], V[1] = -across_y * share, across_x * share
-    for i in range(3):
-        V[2 + i] = 0.0
-        for j in range(3):
-            V[2 + i] += R[j, i] * (there[j] - p[j]) / dt

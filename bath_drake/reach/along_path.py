@@ -24,6 +24,7 @@ class Manner:
         far_standoff: Where it lines up first, m.
         approach_speed: Along the normal, m/s.
         washing_speed: Along the skin, m/s.
+        leash: How far the reference runs ahead of the nozzle, in N.
         limits: The guard's.
     """
 
@@ -31,7 +32,16 @@ class Manner:
     far_standoff: float = 0.14
     approach_speed: float = 0.05
     washing_speed: float = 0.07
+    leash: float = 0.08
     limits: GuardLimits
+
+    def lag(self, half_extents: FloatArray) -> float:
+        """Returns how far behind, m, the reference waits for the nozzle in any case.
+
+        Args:
+            half_extents: (2,) of the back's box, m.
+        """
+        return self.leash * float(max(half_extents))
 
 
 def along(
@@ -53,12 +63,13 @@ def _along(
     points, normals, _ = posed.skin(path_N)
     wash = nozzle_poses(points, normals, manner.standoff, manner.washing_speed)
     begin = descent(arm, points[0], normals[0], manner)
-    found = follow(arm, joined([begin, wash]))
+    found = follow(arm, joined([begin, wash]), posed.boxes(arm))
     judged = judge(
         arm,
         np.concatenate([np.repeat(path_N[:1], len(begin), 0), path_N]),
         found,
         manner.limits,
+        manner.lag(posed.canonical_map.half_extents),
     )
     return _from(judged, len(begin))
 
@@ -69,7 +80,7 @@ def _from(places: Places, first: int) -> Places:
     values = {name: array[first:].copy() for name, array in vars(places).items()}
     for name in ("condition", "place_error", "elbow"):
         values[name][0] = getattr(places, name)[way].max()
-    for name in ("margin", "self_distance"):
+    for name in ("margin", "self_distance", "obstacle_distance"):
         values[name][0] = getattr(places, name)[way].min()
     failed = places.cause[way][places.cause[way] != Cause.NONE]
     if len(failed):

@@ -16,7 +16,10 @@ from bath_drake.patient.true_back import TrueBack
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.surface import fit_path
 from bath_drake.reach.follow import Poses
+from bath_drake.reach.kinematics import ArmModel
+from bath_drake.safety.obstacles import Boxes, person_boxes
 from bath_drake.scene.config import SceneConfig
+from bath_drake.scene.obstacles import pedestal_obstacle, stool_obstacle
 from bath_drake.scene.studio import true_wound
 
 # Of the patch that the nozzle is squared to, m; the loop's own.
@@ -31,10 +34,16 @@ class PosedBack:
     Attributes:
         points_W: (n, 3) places all over the skin, m.
         canonical_map: Where the back is.
+        boxes_W: The person's, laid out from the back as the loop does, and the stool's.
     """
 
     points_W: FloatArray
     canonical_map: CanonicalMap
+    boxes_W: Boxes
+
+    def boxes(self, arm: ArmModel) -> Boxes:
+        """Returns what the links of an arm keep off, its pedestal too, in its B."""
+        return self.boxes_W.seen_from(arm.X_WB) + pedestal_obstacle(arm.X_WB[2, 3])
 
     def skin(self, p_N: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
         """Finds the skin at canonical points (n, 2), as the loop's fit does.
@@ -183,4 +192,7 @@ def _posed(
     seen = back.observe(R_WM, p_WM, trunk_bend(0.0, motion), 0.0)
     tracked_map = seen.tracked_map
     assert tracked_map is not None
-    return PosedBack(seen.points_W, tracked_map)
+    boxes_W = person_boxes(tracked_map.R_WP, tracked_map.p_WP, tracked_map.half_extents)
+    return PosedBack(
+        seen.points_W, tracked_map, boxes_W + stool_obstacle(scene, person)
+    )

@@ -3,8 +3,9 @@
 What joint positions a pose is reached with depends on where the arm came from. So a
 path is followed from home on, as `bath_drake.systems.differential_ik.DifferentialIk`
 follows it: the velocity of the pose, the turn about the jet free, the null space drawn
-to the posture with 1/s, joints within their range less a margin. Not modelled are the
-bounds on acceleration and the lag that comes of them.
+to the posture with 1/s, joints within their range less a margin, links kept off boxes
+as of `bath_drake.control.avoidance`. Not modelled are the bounds on acceleration and
+the lag that comes of them.
 """
 
 from dataclasses import dataclass
@@ -12,10 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bath_drake.control.pose_tracking import TrackingConfig
-from bath_drake.notation import FloatArray, IntArray
-from bath_drake.reach import _kernels
+from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.reach import _following
 from bath_drake.reach.kinematics import ArmModel, pose_and_jacobian
 from bath_drake.safety.arm_chain import ArmChain
+from bath_drake.safety.obstacle_distance import FAR, arm_arrays, box_arrays
+from bath_drake.safety.obstacles import Boxes
 from bath_drake.safety.self_distance import self_distance
 
 # Between two poses the arm is moved in steps of at most so much: m, rad and s. The
@@ -55,6 +58,8 @@ class Followed:
         place_error: (n,) from the wanted place, m.
         jet_error: (n,) to the wanted jet, rad.
         at_limit: (n,) the joint that stands at the end of its range, from 0; -1: none.
+        obstacle_distance: (n,) of the links from what they keep off, at most `FAR`, m.
+        slowed: (n,) whether the nozzle lags, for the arm was slowed to keep them off.
     """
 
     arm: ArmChain
@@ -63,29 +68,36 @@ class Followed:
     place_error: FloatArray
     jet_error: FloatArray
     at_limit: IntArray
+    obstacle_distance: FloatArray
+    slowed: BoolArray
 
     def self_distance(self) -> FloatArray:
         """Returns how near links that must not touch come to each other, (n,), m."""
         return np.array([self_distance(q, self.arm) for q in self.q])
 
 
-def follow(arm: ArmModel, poses: Poses, q: FloatArray | None = None) -> Followed:
-    """Follows poses, as well as it goes, from positions q (7,) on; None: from home."""
+def follow(
+    arm: ArmModel, poses: Poses, boxes: Boxes | None = None, q: FloatArray | None = None
+) -> Followed:
+    """Follows poses, as well as it goes.
+
+    Args:
+        arm: The arm.
+        poses: In turn.
+        boxes: What its links keep off, in B; None for nothing.
+        q: (7,) where it begins, rad; None for home.
+    """
     q = np.array(arm.home if q is None else q, dtype=np.float64)
     tips, jets = arm.into_base(poses.tips, poses.jets)
-    if not len(poses):
-        empty = np.zeros(0)
-        none = empty.astype(np.int64)
-        return Followed(arm.chain, np.zeros((0, 7)), empty, empty, empty, none)
     p, R, _ = pose_and_jacobian(q, arm.chain)
     dense, place = _dense(
         np.vstack([p, tips]), np.vstack([R[:, 2], jets]), poses.seconds
     )
     counts = np.diff(place)
     seconds = np.repeat(np.maximum(poses.seconds / counts, _SHORTEST_S), counts)
-    n = len(dense[0])
-    positions, facts = np.empty((n, len(q))), np.empty((n, 4))
-    _kernels.follow(
+    n, avoidance, tracking = len(dense[0]), arm.avoidance, TrackingConfig()
+    positions, facts = np.empty((n, len(q))), np.empty((n, _following.FACTS))
+    _following.follow(
         q,
         *dense,
         seconds,
@@ -93,25 +105,32 @@ def follow(arm: ArmModel, poses: Poses, q: FloatArray | None = None) -> Followed
         arm.low,
         arm.high,
         arm.speed,
-        arm.chain.origins,
-        arm.chain.turns,
+        (tracking.angular_speed, tracking.speed),
+        arm_arrays(arm.chain),
         arm.chain.tip,
+        box_arrays(Boxes() if boxes is None else boxes),
+        (avoidance.stop, avoidance.near, avoidance.gain, avoidance.push),
         positions,
         facts,
     )
     # What happens between two poses counts for the one it leads to.
-    starts = place[:-1]
-    condition, place_error, jet_error = (
-        np.maximum.reduceat(facts[:, k], starts) for k in range(3)
-    )
-    ends = place[1:] - 1
+    starts, ends = place[:-1], place[1:] - 1
+
+    def most(column: int) -> FloatArray:
+        if not len(starts):
+            return np.zeros(0)
+        return np.asarray(np.maximum.reduceat(facts[:, column], starts))
+
+    facts[:, _following.GAP] *= -1.0
     return Followed(
         arm=arm.chain,
         q=positions[ends],
-        condition=condition,
-        place_error=place_error,
-        jet_error=jet_error,
-        at_limit=facts[ends, 3].astype(np.int64),
+        condition=most(_following.CONDITION),
+        place_error=most(_following.PLACE_ERROR),
+        jet_error=most(_following.JET_ERROR),
+        at_limit=facts[ends, _following.AT_LIMIT].astype(np.int64),
+        obstacle_distance=np.minimum(-most(_following.GAP), FAR),
+        slowed=most(_following.SLOWED) > 0.5,
     )
 
 

@@ -11,7 +11,7 @@ from bath_drake.reach.kinematics import ArmModel
 from bath_drake.safety.limits import GuardLimits
 
 # A nozzle that is this far off, m and rad, has not followed.
-_BEHIND_M, _BEHIND_RAD = 0.005, 0.05
+BEHIND_M, _BEHIND_RAD = 0.005, 0.05
 _ELBOW = 3
 
 
@@ -24,6 +24,7 @@ class Cause(IntEnum):
     JOINT_LIMIT = 3
     SINGULAR = 4
     SELF_COLLISION = 5
+    LINK_NEAR = 6
 
     @property
     def words(self) -> str:
@@ -38,6 +39,7 @@ _WORDS = {
     Cause.JOINT_LIMIT: "joint limit",
     Cause.SINGULAR: "singular",
     Cause.SELF_COLLISION: "the arm would touch itself",
+    Cause.LINK_NEAR: "a link would come too near to person, stool or pedestal",
 }
 
 
@@ -50,6 +52,8 @@ class Places:
         condition: (n,) condition numbers, as the guard has them; NaN without skin.
         margin: (n,) of all joints to the ends of their ranges, rad.
         self_distance: (n,) of links that must not touch, m.
+        obstacle_distance: (n,) of links from person, stool and pedestal, as the guard
+            has it, m.
         place_error: (n,) of the nozzle, m.
         elbow: (n,) position of joint 4, rad: the nearer to zero, the straighter.
         cause: (n,) of `Cause`.
@@ -59,6 +63,7 @@ class Places:
     condition: FloatArray
     margin: FloatArray
     self_distance: FloatArray
+    obstacle_distance: FloatArray
     place_error: FloatArray
     elbow: FloatArray
     cause: IntArray
@@ -82,20 +87,35 @@ class Places:
 
 
 def judge(
-    arm: ArmModel, p_N: FloatArray, followed: Followed, limits: GuardLimits
+    arm: ArmModel, p_N: FloatArray, followed: Followed, limits: GuardLimits, lag: float
 ) -> Places:
-    """Judges poses that were followed at canonical points (n, 2)."""
+    """Judges poses that were followed.
+
+    Args:
+        arm: Whose.
+        p_N: (n, 2) the canonical points they are of.
+        followed: What came of it.
+        limits: The guard's.
+        lag: Of the nozzle, m, from which on the loop waits for it: an arm that goes
+            round a thing may lag less.
+    """
     distance = followed.self_distance()
-    behind = (followed.place_error > _BEHIND_M) | (followed.jet_error > _BEHIND_RAD)
+    slowed = followed.slowed
+    behind = (followed.place_error > BEHIND_M) | (followed.jet_error > _BEHIND_RAD)
+    behind &= ~slowed
     straight = followed.at_limit == _ELBOW
     straight &= followed.q[:, _ELBOW] > (arm.low + arm.high)[_ELBOW] / 2.0
+    near = followed.obstacle_distance
     cause = np.full(len(p_N), Cause.NONE, dtype=np.int64)
     for there, why in (
+        (near < limits.joints.obstacle_distance, Cause.LINK_NEAR),
         (distance < limits.joints.self_distance, Cause.SELF_COLLISION),
         (followed.condition >= limits.joints.condition_stop, Cause.SINGULAR),
         (behind, Cause.SINGULAR),
         (behind & (followed.at_limit >= 0), Cause.JOINT_LIMIT),
         (behind & straight, Cause.TOO_FAR),
+        # It stands where the inverse kinematics lets no link go on.
+        (slowed & (followed.place_error > lag), Cause.LINK_NEAR),
     ):
         cause[there] = why
     return Places(
@@ -103,6 +123,7 @@ def judge(
         condition=followed.condition,
         margin=arm.margin(followed.q),
         self_distance=distance,
+        obstacle_distance=near,
         place_error=followed.place_error,
         elbow=followed.q[:, _ELBOW],
         cause=cause,
@@ -116,6 +137,7 @@ def nowhere(p_N: FloatArray) -> Places:
         condition=np.full(len(p_N), np.nan),
         margin=np.full(len(p_N), np.nan),
         self_distance=np.full(len(p_N), np.nan),
+        obstacle_distance=np.full(len(p_N), np.nan),
         place_error=np.full(len(p_N), np.nan),
         elbow=np.full(len(p_N), np.nan),
         cause=np.full(len(p_N), Cause.NO_SKIN, dtype=np.int64),
@@ -149,6 +171,7 @@ def worst(every: list[Places]) -> Places:
         condition=most("condition"),
         margin=least("margin"),
         self_distance=least("self_distance"),
+        obstacle_distance=least("obstacle_distance"),
         place_error=most("place_error"),
         elbow=most("elbow"),
         cause=np.where(skin, chosen, Cause.NO_SKIN),

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bath_drake.control_diagram import PLANNED_MARGIN
+from bath_drake.control.avoidance import AvoidanceConfig
+from bath_drake.control_diagram import PLANNED_MARGIN, avoidance
 from bath_drake.notation import FloatArray
 from bath_drake.reach import _kernels
 from bath_drake.safety.arm_chain import ArmChain
@@ -30,6 +31,7 @@ class ArmModel:
         low: (7,) least positions that are planned, rad.
         high: (7,) greatest ones, rad.
         speed: (7,) rad/s.
+        avoidance: How its links are kept off things.
     """
 
     chain: ArmChain
@@ -40,6 +42,7 @@ class ArmModel:
     low: FloatArray
     high: FloatArray
     speed: FloatArray
+    avoidance: AvoidanceConfig
 
     @staticmethod
     def of(config: ArmConfig, limits: GuardLimits | None = None) -> "ArmModel":
@@ -57,6 +60,7 @@ class ArmModel:
             low=ends[0] + margin,
             high=ends[1] - margin,
             speed=_SPEED_FRACTION * chain.speed,
+            avoidance=avoidance(limits),
         )
 
     def at(self, position: ArrayLike, yaw: float) -> "ArmModel":

@@ -68,7 +68,8 @@ class _Tour:
     def __init__(
         self, arm: ArmModel, posed: PosedBack, points_N: FloatArray, manner: Manner
     ) -> None:
-        self._arm, self._manner = arm, manner
+        self._arm, self._manner, self._boxes = arm, manner, posed.boxes(arm)
+        self._lag = manner.lag(posed.canonical_map.half_extents)
         self._shape = points_N.shape[:2]
         self._flat = points_N.reshape(-1, 2)
         points, normals, met = posed.skin(self._flat)
@@ -82,7 +83,7 @@ class _Tour:
         arm, (rows, columns) = self._arm, self._shape
         row, column = rows // 2, columns // 2
         middle = self._points[row, column], self._normals[row, column]
-        q = follow(arm, descent(arm, *middle, self._manner)).q[-1]
+        q = follow(arm, descent(arm, *middle, self._manner), self._boxes).q[-1]
         upwards = self._leg(q, [(i, column) for i in range(row, rows)])
         downwards = self._leg(q, [(i, column) for i in range(row, -1, -1)])
         for trunk in (upwards, downwards):
@@ -118,9 +119,11 @@ class _Tour:
             self._manner.standoff,
             self._manner.washing_speed,
         )
-        followed = follow(self._arm, wash, q)
+        followed = follow(self._arm, wash, self._boxes, q)
         index = np.ravel_multi_index(at, self._shape)
-        judged = judge(self._arm, self._flat[index], followed, self._manner.limits)
+        judged = judge(
+            self._arm, self._flat[index], followed, self._manner.limits, self._lag
+        )
         for name, array in vars(judged).items():
             getattr(found, name)[index] = array
         return judged, followed.q

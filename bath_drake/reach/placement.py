@@ -172,7 +172,7 @@ class _Path:
         self, back: Back, path_N: FloatArray, body_W: FloatArray, manner: Manner
     ) -> None:
         self._path_N = even(path_N, _PATH_STEP)
-        self._skins = [posed.skin(self._path_N)[:2] for posed in back.poses]
+        self._skins = [(posed, posed.skin(self._path_N)[:2]) for posed in back.poses]
         self._body_W, self._manner = body_W, manner
 
     def placed(
@@ -182,14 +182,15 @@ class _Path:
         there, manner = arm.at(position, yaw), self._manner
         reached = np.ones(len(self._path_N), dtype=bool)
         condition, clear = 0.0, np.inf
-        for points, normals in self._skins[:poses]:
+        for posed, (points, normals) in self._skins[:poses]:
             begin = descent(there, points[0], normals[0], manner)
             wash = nozzle_poses(points, normals, manner.standoff, manner.washing_speed)
-            followed = follow(there, joined([begin, wash]))
+            followed = follow(there, joined([begin, wash]), posed.boxes(there))
             cells = np.concatenate(
                 [np.repeat(self._path_N[:1], len(begin), 0), self._path_N]
             )
-            judged = judge(there, cells, followed, manner.limits)
+            lag = manner.lag(posed.canonical_map.half_extents)
+            judged = judge(there, cells, followed, manner.limits, lag)
             well = judged.cause == Cause.NONE
             reached &= well[len(begin) :]
             reached[0] &= bool(well[: len(begin)].all())

@@ -11,7 +11,7 @@ from bath_drake.patient.people import load_person
 from bath_drake.reach.along_path import Manner, along
 from bath_drake.reach.back import true_back
 from bath_drake.reach.clearance import body_points
-from bath_drake.reach.judge import Cause, Places, worst
+from bath_drake.reach.judge import BEHIND_M, Cause, Places, worst
 from bath_drake.reach.kinematics import ArmModel
 from bath_drake.reach.over_back import over
 from bath_drake.reach.path import driven_path
@@ -22,6 +22,7 @@ from bath_drake.reach.placement import (
     search_placement,
 )
 from bath_drake.safety.limits import GuardLimits
+from bath_drake.safety.obstacle_distance import FAR
 from bath_drake.scenario import Scenario
 
 
@@ -67,6 +68,7 @@ class Reachability:
                 "condition": _most(path.condition),
                 "joint_margin": _least(path.margin),
                 "self_distance": _least(path.self_distance),
+                "obstacle_distance": _least(path.obstacle_distance),
                 "not_reached": not_reached(path),
             },
             "back": None
@@ -115,6 +117,7 @@ def reachability(
         far_standoff=control.far_standoff,
         approach_speed=control.approach_speed,
         washing_speed=control.washing_speed,
+        leash=control.leash,
         limits=limits,
     )
     path_N = driven_path(skill, there.areas, there.half_extents, control.washing_speed)
@@ -160,7 +163,8 @@ def _path_words(path: Places, rest: Places, limits: GuardLimits) -> str:
         slow = " (slowed down)" if condition > joints.condition_slow else ""
         return (
             f"the whole path is reached; condition number at most {condition:.0f}{slow}"
-            f", {_least(path.margin) or 0.0:.2f} rad from a joint's end"
+            f", {_least(path.margin) or 0.0:.2f} rad from a joint's end, "
+            f"links {_off_words(path)}"
         )
     told = "; ".join(
         f"from ({part['from'][0]:.2f}, {part['from'][1]:.2f}) to "
@@ -170,6 +174,16 @@ def _path_words(path: Places, rest: Places, limits: GuardLimits) -> str:
     more = f" and {len(parts) - 3} more parts" if len(parts) > 3 else ""
     where = "" if not rest.reached else " in every pose of the person, at rest all"
     return f"{100.0 * path.share:.1f} % of the path is reached{where}; {told}{more}"
+
+
+def _off_words(path: Places) -> str:
+    gap = _least(path.obstacle_distance)
+    more = ">" if gap is None or gap >= FAR else ""
+    off = f"{more}{1e3 * (FAR if gap is None else gap):.0f} mm"
+    behind = _most(path.place_error) or 0.0
+    lag = f" (the nozzle up to {1e3 * behind:.0f} mm off its path for that)"
+    told = lag if behind > BEHIND_M else ""
+    return f"{off} off person, stool and pedestal{told}"
 
 
 def _base_words(here: Placement, best: Placement) -> str:

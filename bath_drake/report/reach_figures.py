@@ -29,6 +29,7 @@ _MARKS = {
     Cause.JOINT_LIMIT: ("s", "joint limit"),
     Cause.SINGULAR: ("x", "singular"),
     Cause.SELF_COLLISION: ("P", "touches itself"),
+    Cause.LINK_NEAR: ("D", "too near to a thing"),
 }
 
 

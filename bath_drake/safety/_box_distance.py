@@ -9,8 +9,8 @@ from bath_drake.safety.arm_chain import link_frames, place_segment
 ArmArrays = tuple[FloatArray, FloatArray, FloatArray]
 BoxArrays = tuple[FloatArray, FloatArray, FloatArray, IntArray]
 
-# The nearest place along a segment is found by thirds, to (2/3)^n of its length.
-_THIRDS = 16
+# The nearest place along a segment is found by golden sections: to 0.618^n of it.
+_GOLDEN, _SECTIONS = 0.5 * (np.sqrt(5.0) - 1.0), 16
 
 
 @njit(cache=True)
@@ -52,17 +52,10 @@ def gaps(
                 if gap < least:
                     least, close = gap, False
                 continue
-            low, high = 0.0, 1.0
-            for _ in range(_THIRDS):
-                a, b = low + (high - low) / 3.0, high - (high - low) / 3.0
-                at_a = _gap(ends, a, axes[m], centres[m], halves[m], point, away)
-                at_b = _gap(ends, b, axes[m], centres[m], halves[m], point, away)
-                if at_a < at_b:
-                    high = b
-                else:
-                    low = a
-            middle = 0.5 * (low + high)
-            gap = _gap(ends, middle, axes[m], centres[m], halves[m], point, away)
+            if gap >= least:
+                continue
+            nearest = _nearest(ends, axes[m], centres[m], halves[m], point, away)
+            gap = _gap(ends, nearest, axes[m], centres[m], halves[m], point, away)
             gap -= capsules[k, 7]
             if gap < least:
                 least, close = gap, gap <= near
@@ -98,6 +91,32 @@ def least_gap(
         for gap in rows[:, 0]:
             least = min(least, gap)
     return least
+
+
+@njit(cache=True)
+def _nearest(
+    ends: FloatArray,
+    axes: FloatArray,
+    centre: FloatArray,
+    half: FloatArray,
+    point: FloatArray,
+    away: FloatArray,
+) -> float:
+    """Which share of a segment is nearest to a box."""
+    low, high = 0.0, 1.0
+    a, b = 1.0 - _GOLDEN, _GOLDEN
+    at_a = _gap(ends, a, axes, centre, half, point, away)
+    at_b = _gap(ends, b, axes, centre, half, point, away)
+    for _ in range(_SECTIONS):
+        if at_a < at_b:
+            high, b, at_b = b, a, at_a
+            a = high - _GOLDEN * (high - low)
+            at_a = _gap(ends, a, axes, centre, half, point, away)
+        else:
+            low, a, at_a = a, b, at_b
+            b = low + _GOLDEN * (high - low)
+            at_b = _gap(ends, b, axes, centre, half, point, away)
+    return 0.5 * (low + high)
 
 
 @njit(cache=True)

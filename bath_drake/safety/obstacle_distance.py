@@ -43,7 +43,7 @@ def link_gaps(
     if q.shape != (JOINTS,):
         raise ValueError(f"q must have shape ({JOINTS},), got {q.shape}")
     rows = np.empty((len(arm.capsules), 1 + JOINTS))
-    gaps(q, _arm_arrays(arm), _box_arrays(boxes), near, rows)
+    gaps(q, arm_arrays(arm), box_arrays(boxes), near, rows)
     return rows
 
 
@@ -86,16 +86,18 @@ def obstacle_distance_ahead(
             np.ascontiguousarray(q, dtype=np.float64),
             way,
             _LOOKS if way.any() else 1,
-            _arm_arrays(arm),
-            _box_arrays(boxes),
+            arm_arrays(arm),
+            box_arrays(boxes),
             FAR,
         )
     )
 
 
-def _arm_arrays(arm: ArmChain) -> ArmArrays:
+def arm_arrays(arm: ArmChain) -> ArmArrays:
+    """Returns what the compiled distances take of an arm."""
     return arm.origins, arm.turns, arm.capsules
 
 
-def _box_arrays(boxes: Boxes) -> BoxArrays:
+def box_arrays(boxes: Boxes) -> BoxArrays:
+    """Returns what the compiled distances take of boxes."""
     return boxes.axes, boxes.centres, boxes.halves, boxes.minded

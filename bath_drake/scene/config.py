@@ -89,9 +89,10 @@ class ArmConfig:
     """Where the arm stands and how it follows its commands.
 
     Base, home and posture were searched for, so that on every shipped person's back the
-    nozzle gets all over the region |x| <= 0.75, |y| <= 0.8, twist and lean included,
-    the Jacobian's condition number nearly everywhere below 17, the arm clear of the
-    person and little of it before the camera (docs/reach.md, `tests/test_reach.py`).
+    nozzle gets over the region |x| <= 0.75, |y| <= 0.8, twist and lean included but for
+    some places at its lower left edge, the Jacobian's condition number nearly
+    everywhere below 17, the arm clear of the person and little of it before the camera
+    (docs/reach.md, `tests/test_reach.py`).
     """
 
     # A shipped arm, or the path of a .urdf file: see docs/arms.md.

@@ -5,7 +5,7 @@ Where they stand is known, for somebody put them there.
 
 import numpy as np
 
-from bath_drake.patient.people import load_person
+from bath_drake.patient.people import Person, load_person
 from bath_drake.safety.obstacles import Boxes, upright_box
 from bath_drake.scene.arm import base_pose
 from bath_drake.scene.config import SceneConfig
@@ -24,14 +24,21 @@ def fixed_obstacles(config: SceneConfig) -> Boxes:
         ScenarioError: If the person the scenario names is not there or damaged.
     """
     X_WB = np.array(base_pose(config.arm).GetAsMatrix4())
-    side, height = 0.5 * PEDESTAL_SIDE, config.arm.base_position[2]
-    boxes = Boxes()
-    if height > 0.0:
-        boxes = upright_box([-side, -side, -height], [side, side, 0.0], _OFF_PEDESTAL)
-    person = load_person(config.person)
-    # The stool stands where the person sat down, whatever the person does then.
+    stool_W = stool_obstacle(config, load_person(config.person))
+    return pedestal_obstacle(X_WB[2, 3]) + stool_W.seen_from(X_WB)
+
+
+def pedestal_obstacle(height: float) -> Boxes:
+    """Returns what the base stands on so high, m, in B; nothing on the floor."""
+    if not height > 0.0:
+        return Boxes()
+    side = 0.5 * PEDESTAL_SIDE
+    return upright_box([-side, -side, -height], [side, side, 0.0], _OFF_PEDESTAL)
+
+
+def stool_obstacle(config: SceneConfig, person: Person) -> Boxes:
+    """Returns the stool in W, where the person sat down, whatever it does then."""
     seat = np.array(true_person_pose(config, person, 0.0).multiply(person.seat))
     around = np.array([STOOL_RADIUS, STOOL_RADIUS, 0.0])
     floor = seat * [1.0, 1.0, 0.0]
-    stool = upright_box(floor - around, seat + around, _OFF_STOOL)
-    return boxes + stool.seen_from(X_WB)
+    return upright_box(floor - around, seat + around, _OFF_STOOL)

@@ -5,12 +5,14 @@ import pytest
 
 from bath_drake.control.approach import Phase
 from bath_drake.diagrams import build_reproduction
+from bath_drake.reach.judge import Cause
 from bath_drake.reach.kinematics import condition_number
-from bath_drake.reach.precheck import reachability
+from bath_drake.reach.precheck import not_reached, reachability
 from bath_drake.scenario import find_skill, load_scenario
 from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.simulation import run
 from bath_drake.skill_file import load_skill
+from bath_drake.verification import evaluate
 
 
 @pytest.mark.slow
@@ -45,3 +47,24 @@ def test_the_loops_condition_numbers_along_the_path_are_those_foretold(person):
     assert abs(ratio - 1.0).mean() < 0.03
     assert abs(ratio - 1.0).max() < 0.2
     assert loop.max() == pytest.approx(foretold.max(), rel=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "person", ["f_avg", pytest.param("f_thin", marks=pytest.mark.exhaustive)]
+)
+def test_the_loop_is_held_where_it_is_foretold_that_a_link_comes_too_near(person):
+    scenario = load_scenario("other_arm")
+    scenario.scene.person = person
+    scenario.perception.source = "ideal"
+    scenario.scene.arm.fidelity = "kinematic"
+    # Drawn to this the wrist comes to the person's shoulder.
+    scenario.scene.arm.posture = [1.645, -1.420, -1.351, -1.303, -2.247, -1.322, 0.304]
+    skill = load_skill(find_skill(scenario.skill))
+    found = reachability(scenario, skill, back=False, search=False)
+    causes = {part["cause"] for part in not_reached(found.rest)}
+    assert causes == {Cause.LINK_NEAR.words}
+    log = run(build_reproduction(scenario, skill), scenario)
+    assert log.outcome == "TIMED_OUT"
+    held = evaluate(log, scenario, skill).metrics["guard_s"]
+    assert held["link_near"] > 5.0

@@ -5,13 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pose_source import PoseSource
+from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import LogVectorOutput
+from pydrake.systems.primitives import ConstantValueSource, LogVectorOutput
 
 from bath_drake.reach.follow import Poses, follow, joined, way_to
 from bath_drake.reach.kinematics import ArmModel
+from bath_drake.safety.obstacle_distance import FAR, link_gaps
+from bath_drake.safety.obstacles import upright_box
+from bath_drake.safety.self_distance import capsule_ends
 from bath_drake.scene.arm import home_position, make_control_plant
 from bath_drake.scene.config import ArmConfig
 from bath_drake.systems.differential_ik import DifferentialIk
@@ -34,7 +38,28 @@ def stroke(ends, seconds):
     )
 
 
-def driven(poses):
+def gaps(q, boxes):
+    """Of the links from the boxes at positions (n, 7), m."""
+    return np.array([link_gaps(row, ARM.chain, boxes)[:, 0].min() for row in q])
+
+
+def in_the_way_of(capsule, q):
+    """A box of 0.1 m, 5 mm ahead of where a link comes to on a way (n, 7)."""
+    first, last = (capsule_ends(row, ARM.chain)[capsule].mean(0) for row in q[[0, -1]])
+    ahead = (last - first) / np.linalg.norm(last - first)
+    centre = last + ahead * (ARM.chain.capsules[capsule, 7] + 0.055)
+    return upright_box(centre - 0.05, centre + 0.05, (capsule, capsule))
+
+
+def shifted(shift):
+    """Poses from where the nozzle is in the posture to a shift, and some rest."""
+    p, R = ARM.nozzle(ARM.posture)
+    ends = np.stack([p, p + shift, p + shift])
+    poses = stroke(ends, 6.0)
+    return Poses(poses.tips, np.tile(R[:, 2], (len(poses), 1)), poses.seconds)
+
+
+def driven(poses, boxes=None, home=None):
     """Joint positions (n, 7) of the loop's own system, one every step."""
     builder = DiagramBuilder()
     turned = [RotationMatrix.MakeFromOneVector(jet, 2) for jet in poses.jets]
@@ -43,11 +68,16 @@ def driven(poses):
     ik = builder.AddSystem(
         DifferentialIk(
             plant=make_control_plant(CONFIG),
-            home=home_position(CONFIG),
+            home=home_position(CONFIG) if home is None else home,
             posture=CONFIG.posture,
             joint_margin=0.12,
+            arm=ARM.chain,
+            avoidance=ARM.avoidance,
         )
     )
+    if boxes is not None:
+        things = builder.AddSystem(ConstantValueSource(Value(boxes)))
+        builder.Connect(things.get_output_port(), ik.GetInputPort("obstacles"))
     for port in ("desired_nozzle_pose", "hold"):
         builder.Connect(source.GetOutputPort(port), ik.GetInputPort(port))
     log = LogVectorOutput(ik.GetOutputPort("joint_command"), builder, STEP)
@@ -74,6 +104,48 @@ def test_it_goes_the_way_of_the_loops_own_inverse_kinematics():
     # and its null space with it.
     assert apart.max() < 0.03
     assert apart[-1] < 0.01
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.2, 0.0), (0.0, -0.2, 0.0), (0.0, 0.0, 0.2)])
+@pytest.mark.parametrize("capsule", [4, 5])
+def test_it_goes_round_a_box_as_the_loops_own_inverse_kinematics(capsule, shift):
+    fine = shifted(np.array(shift))
+    free = follow(ARM, fine, q=ARM.posture)
+    boxes = in_the_way_of(capsule, free.q)
+    assert gaps(free.q, boxes).min() < 0.01
+    loops = driven(fine, boxes, home=ARM.posture)
+    every = slice(9, None, 10)
+    coarse = Poses(fine.tips[every], fine.jets[every], np.full(120, 10 * STEP))
+    found = follow(ARM, coarse, boxes, ARM.posture)
+    # A step's way of what is told once a step.
+    assert found.obstacle_distance.min() > ARM.avoidance.stop - 2e-3
+    assert found.place_error[-1] < 1e-3
+    # Along a box they slide apart: the loop's joints are bounded in acceleration.
+    np.testing.assert_allclose(
+        gaps(found.q, boxes), gaps(loops[every], boxes), atol=8e-3
+    )
+
+
+def test_before_a_wall_it_stands_and_tells_what_for():
+    p, R = ARM.nozzle(ARM.posture)
+    (ahead,) = ARM.into_base(np.zeros((0, 3)), R[None, :, 2])[1]
+    (tip,) = ARM.into_base(p[None], np.zeros((0, 3)))[0]
+    centre = tip + 0.25 * ahead
+    wall = upright_box(centre - 0.1, centre + 0.1, (1, 8))
+    found = follow(ARM, shifted(0.3 * R[:, 2]), wall, ARM.posture)
+    assert found.obstacle_distance.min() > ARM.avoidance.stop - 1e-3
+    assert found.place_error[-1] > 0.05
+    assert found.slowed[-1]
+    assert not found.slowed[0]
+
+
+def test_what_is_far_away_changes_nothing():
+    way = way_to(ARM, ARM.home, BACK, FORWARD)
+    far = upright_box([5.0, 5.0, 5.0], [6.0, 6.0, 6.0])
+    alone, beside = follow(ARM, way), follow(ARM, way, far)
+    np.testing.assert_array_equal(alone.q, beside.q)
+    assert not beside.slowed.any()
+    np.testing.assert_array_equal(beside.obstacle_distance, FAR)
 
 
 def test_a_coarse_path_is_followed_as_a_fine_one():

@@ -1,6 +1,7 @@
 """What is said of a path and of a back holds, and is said the same again."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,21 +11,36 @@ from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.reach.along_path import Manner, along, even
 from bath_drake.reach.back import extreme_motions, nozzle_poses, true_back
 from bath_drake.reach.clearance import body_points, clearance, pedestal_clearance
-from bath_drake.reach.judge import Cause
+from bath_drake.reach.follow import Poses, follow, way_to
+from bath_drake.reach.judge import Cause, judge
 from bath_drake.reach.kinematics import ArmModel
 from bath_drake.reach.over_back import grid, over
 from bath_drake.reach.placement import PlacementGrid, placement_map, search_placement
 from bath_drake.reach.precheck import not_reached, reachability
 from bath_drake.safety.limits import load_limits
+from bath_drake.safety.obstacle_distance import FAR
 from bath_drake.scenario import Scenario, find_skill, load_scenario
 from bath_drake.scene.config import ArmConfig, SceneConfig
 from bath_drake.skill_file import load_skill
+from bath_drake.strokes import scenario_skill
 
 STILL = MotionConfig(breath_amplitude=0.0, twist_amplitude=0.0, lean_amplitude=0.0)
 SCENE = SceneConfig(motion=STILL)
 MANNER = Manner(limits=load_limits())
 ARM = ArmModel.of(ArmConfig())
+MIDDLE = np.array([0.5, 0.0, 0.95]), np.array([1.0, 0.0, 0.0])
 STROKE = np.array([[-0.3, -0.2], [0.3, 0.1]])
+# What washes in a closed loop, as other tests show.
+WASHED = [
+    "reproduction",
+    "restricted_area",
+    "coverage",
+    "bending",
+    "wash_contact",
+    "other_arm",
+]
+# Drawn to this the iiwa's wrist comes to the shoulder of some people.
+WRIST_NEAR = [1.645, -1.420, -1.351, -1.303, -2.247, -1.322, 0.304]
 HALF_METRE_BACK = ARM.at(ARM.X_WB[:3, 3] - [0.6, 0.0, 0.0], 0.0)
 
 
@@ -160,6 +176,98 @@ def test_the_metrics_are_plain_and_the_line_says_how_it_is():
     assert found.rest.reached
 
 
+def found_of(name, person, posture=None):
+    scenario = load_scenario(name)
+    scenario.scene.person = person
+    if posture is not None:
+        scenario.scene.arm.posture = posture
+    skill = scenario_skill(scenario)
+    return reachability(scenario, skill, back=False, search=False)
+
+
+def check_that_no_link_is_in_the_way(name, person):
+    found = found_of(name, person)
+    near = found.path.obstacle_distance
+    assert not (found.path.cause == Cause.LINK_NEAR).any()
+    assert near.min() > found.limits.joints.obstacle_distance
+
+
+@pytest.mark.parametrize("name", WASHED)
+def test_what_the_loop_washes_is_not_refused_for_a_link(name):
+    check_that_no_link_is_in_the_way(name, "m_avg")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("person", sorted(set(shipped_people()) - {"m_avg"}))
+@pytest.mark.parametrize("name", WASHED)
+def test_what_the_loop_washes_is_not_refused_for_a_link_on_anybody(name, person):
+    check_that_no_link_is_in_the_way(name, person)
+
+
+@pytest.mark.parametrize("person", ["f_avg", "f_thin"])
+def test_a_wrist_that_stays_before_the_person_is_refused_and_told(person):
+    found = found_of("other_arm", person, WRIST_NEAR)
+    assert found.rest.share < 0.95
+    causes = {part["cause"] for part in not_reached(found.path)}
+    assert causes == {Cause.LINK_NEAR.words}
+    (line,) = found.lines()
+    assert "a link would come too near to person, stool or pedestal" in line
+
+
+def test_a_nozzle_that_makes_way_for_a_link_but_little_is_told_and_not_refused():
+    found = found_of("other_arm", "m_thin")
+    lag = MANNER.leash * 0.25  # no back is 0.5 m high or wide
+    assert found.path.reached
+    assert 0.005 < found.path.place_error.max() < lag
+    (line,) = found.lines()
+    assert "(the nozzle up to " in line
+
+
+def test_a_base_from_which_no_link_is_in_the_way_is_told():
+    scenario = load_scenario("other_arm")
+    scenario.scene.person = "f_thin"
+    scenario.scene.arm.posture = WRIST_NEAR
+    scenario.scene.motion = STILL
+    skill = scenario_skill(scenario)
+    found = reachability(scenario, skill, back=False)
+    assert found.best is not None
+    assert found.best.path_share > found.here.path_share
+
+
+def test_the_pedestal_is_kept_off_as_high_as_the_base_stands(back):
+    (posed,) = back.poses
+    low, high = (ARM.at([0.0, 0.0, z], 0.0) for z in (0.0, 0.5))
+    boxes = [posed.boxes(arm) for arm in (low, high)]
+    assert len(boxes[1].centres) == len(boxes[0].centres) + 1
+    assert boxes[1].halves[-1, 2] == pytest.approx(0.25)
+
+
+def test_a_nozzle_that_lags_behind_a_link_counts_once_the_reference_waits_for_it(back):
+    (posed,) = back.poses
+    followed = follow(ARM, Poses(np.zeros((3, 3)), np.eye(3), np.full(3, 0.1)))
+    n = len(followed.q)
+    lag = MANNER.lag(posed.canonical_map.half_extents)
+    slowed = replace(
+        followed,
+        condition=np.full(n, 5.0),
+        place_error=lag * np.array([0.5, 0.9, 1.1]),
+        jet_error=np.zeros(n),
+        slowed=np.ones(n, dtype=bool),
+        obstacle_distance=np.full(n, FAR),
+    )
+    cause = judge(ARM, np.zeros((n, 2)), slowed, MANNER.limits, lag).cause
+    assert (cause == Cause.LINK_NEAR).tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize("over", [-1e-4, 1e-4])
+def test_nearer_than_the_guard_allows_is_not_reached(over):
+    followed = follow(ARM, way_to(ARM, ARM.home, *MIDDLE))
+    limit = MANNER.limits.joints.obstacle_distance
+    near = replace(followed, obstacle_distance=np.full(len(followed.q), limit + over))
+    cause = judge(ARM, np.zeros((len(near.q), 2)), near, MANNER.limits, 0.02).cause
+    assert (cause[-1] == Cause.LINK_NEAR) == (over < 0.0)
+
+
 @pytest.mark.slow
 def test_a_base_too_far_away_is_told_with_the_part_the_cause_and_a_better_one():
     scenario = Scenario(skill="back_sinusoid.yaml")
@@ -186,13 +294,17 @@ def test_the_floors_map_has_the_base_where_it_stands(back, body):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", shipped_people())
-def test_all_of_the_back_up_to_its_top_is_reached_on_everybody(name):
+def test_the_back_up_to_its_top_is_reached_on_everybody(name):
     x, y = np.linspace(-0.75, 0.75, 11), np.linspace(-0.8, 0.8, 11)
     region = np.stack(np.meshgrid(x, y), axis=-1)
     everyone = true_back(SceneConfig(person=name), load_person(name))
     places = over(ARM, everyone, MANNER, region)
     joints = MANNER.limits.joints
-    assert places.reached
+    # Low at the left edge an arm's link comes to the person's side.
+    failed = places.cause != Cause.NONE
+    assert (places.cause[failed] == Cause.LINK_NEAR).all()
+    assert (places.p_N[failed] < [-0.7, -0.3]).all()
+    assert places.share > 0.97
     assert places.condition.max() < 0.9 * joints.condition_stop
     assert np.mean(places.condition < joints.condition_slow) >= 0.94
     assert places.self_distance.min() > joints.self_distance

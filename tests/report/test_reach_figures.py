@@ -29,6 +29,7 @@ def places(p_N):
         condition=10.0 + 20.0 * away,
         margin=np.maximum(0.8 - away, 0.1),
         self_distance=np.full(n, 0.1),
+        obstacle_distance=np.full(n, 0.1),
         place_error=np.zeros(n),
         elbow=np.full(n, -1.5),
         cause=cause,
