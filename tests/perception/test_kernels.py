@@ -20,7 +20,15 @@ from bath_drake.perception.pixels import (
     normals_at,
     pixel_normals,
 )
-from bath_drake.perception.skin_colour import LEAST_BRIGHTNESS, skin_deviations
+from bath_drake.perception.skin_colour import (
+    BRIGHT_SHARE,
+    DARK_SHARE,
+    LEAST_BRIGHTNESS,
+    OFF_COLOUR,
+    SIGMAS,
+    off_skin,
+    skin_deviations,
+)
 from bath_drake.perception.surface import fit_surface
 
 # Sums of some ten thousand numbers of order one, in another order.
@@ -96,6 +104,18 @@ def test_skin_brightness_is_the_least_squares_quadratic(draw_frame):
     assert around.min() > LEAST_BRIGHTNESS
     found = skin_deviations(observation)[:, 0]
     assert np.abs(found - np.log(value / around)).max() < ROUNDING
+
+
+@pytest.mark.parametrize("count", [1, 2, 101, 1000])
+@pytest.mark.parametrize("noise", [0.0, 0.02, 0.0242, 0.1])
+def test_off_skin_is_beyond_the_limit_or_the_medians_noise(rng, noise, count):
+    deviations = noise * rng.standard_normal((count, 3))
+    spread = np.median(np.abs(deviations[:, 1:]), axis=0) / 0.674
+    limits = np.maximum(OFF_COLOUR, SIGMAS * spread)
+    expected = (np.abs(deviations[:, 1:]) >= limits).any(axis=1)
+    expected |= deviations[:, 0] <= np.log(DARK_SHARE)
+    expected |= deviations[:, 0] >= np.log(BRIGHT_SHARE)
+    np.testing.assert_array_equal(off_skin(deviations), expected)
 
 
 def test_a_quadric_without_noise_is_found_to_rounding(rng):
