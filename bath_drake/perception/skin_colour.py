@@ -47,7 +47,8 @@ def skin_deviations(observation: BodyObservation) -> FloatArray:
         return np.zeros((n, 3))
     # Of order one, so that the normal equations are well conditioned.
     x, y, value, smooth = _prepared(
-        np.ascontiguousarray(observation.pixels), observation.colours
+        np.ascontiguousarray(observation.pixels),
+        np.ascontiguousarray(observation.colours),
     )
     off = _with_ratios(value, np.log(np.maximum(smooth, LEAST_COLOUR)))
     usual = np.array([DARK_SHARE, 1.0, 1.0]) * _medians(off)

@@ -11,7 +11,6 @@ from bath_drake.perception.canonical import (
     LEVEL,
     CanonicalMap,
     edges_by_level,
-    trimmed_range,
 )
 from bath_drake.perception.pixels import (
     behind_jump,
@@ -20,6 +19,7 @@ from bath_drake.perception.pixels import (
     normals_at,
     pixel_normals,
 )
+from bath_drake.perception.quantiles import inner_range, median, trimmed_range
 from bath_drake.perception.skin_colour import (
     BRIGHT_SHARE,
     DARK_SHARE,
@@ -68,6 +68,17 @@ def testtrimmed_ranges_are_the_weighted_quantiles(rng, count, trim):
 
 def test_atrimmed_range_of_one_value_is_that_value():
     assert trimmed_range(np.full(9, 0.3), np.ones(9), 0.01) == (0.3, 0.3)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.03, 0.4])
+@pytest.mark.parametrize("count", [1, 2, 7, 1000])
+def test_inner_ranges_and_medians_are_numpys(rng, count, share):
+    values = rng.standard_normal(count)
+    values[0] = 40.0
+    expected = np.quantile(values, [share, 1.0 - share])
+    assert inner_range(values, share) == pytest.approx(expected, abs=1e-14)
+    assert median(values) == np.median(values)
+    assert inner_range(np.full(count, 0.3), share) == (0.3, 0.3)
 
 
 def test_edges_are_the_least_and_greatest_of_each_level(rng):
