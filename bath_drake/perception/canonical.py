@@ -12,6 +12,7 @@ from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.offsets import less
 from bath_drake.perception.quadric import cross
 from bath_drake.perception.quantiles import inner_range, median, trimmed_range
 from bath_drake.shared import Shared
@@ -76,7 +77,7 @@ class CanonicalMap(Shared):
 
     def plane_from_world(self, p_W: FloatArray) -> FloatArray:
         """Returns points of W (..., 3) in P (..., 3), metres, height last."""
-        return (np.asarray(p_W, dtype=np.float64) - self.p_WP) @ self.R_WP
+        return less(p_W, self.p_WP) @ self.R_WP
 
     def canonical_from_world(self, p_W: FloatArray) -> FloatArray:
         """Projects points of W (..., 3) orthogonally onto the plane: N (..., 2)."""

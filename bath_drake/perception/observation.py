@@ -117,18 +117,18 @@ def observe_body(
         tracked = fit_canonical_map(
             completed_W[::STRIDE], UP_W, p_WC, completed_areas[::STRIDE]
         )
-        if not (morphology.dilate(visible, TOUCH) & robot_mask).any():
+        if not morphology.near(visible, robot_mask, TOUCH):
             template = BackTemplate(
                 tracked.plane_from_world(points_W), point_areas, stamp
             )
-    columns, rows = pixels.T
+    places = pixels[:, 1] * camera.width + pixels[:, 0]
     return BodyObservation(
         stamp=stamp,
         mask=visible,
         robot_mask=robot_mask,
         points_W=points_W,
         pixels=pixels,
-        colours=colour[rows, columns, :3],
+        colours=np.take(colour.reshape(-1, colour.shape[2]), places, axis=0)[:, :3],
         point_areas=point_areas,
         completed_points_W=completed_W,
         completed_areas=completed_areas,

@@ -289,13 +289,13 @@ def _trimmed(
         return np.zeros_like(torso)
     # A back that the robot hides in part has the axes of the frame before; a whole one
     # has its own, however far it has moved since.
-    hidden = (morphology.dilate(torso, ROBOT_RIM) & robot_mask).any()
+    hidden = morphology.near(torso, robot_mask, ROBOT_RIM)
     if expected is not None and hidden:
         R_WP, span = expected.R_WP, expected.span
     else:
         # Normals are on the camera's side: so is the point their mean leads to.
         some = np.flatnonzero(torso)[::STRIDE]
-        points = points_W.reshape(-1, 3)[some]
+        points = np.take(points_W.reshape(-1, 3), some, axis=0)
         normals = normals_at(points_W, torso, NORMAL_REACH, some)
         eye = points.mean(axis=0) + normals.mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
@@ -305,7 +305,8 @@ def _trimmed(
     chosen = np.flatnonzero(torso)
     if len(chosen) < MIN_POINTS:
         return np.zeros_like(torso)
-    across, along = (points_W.reshape(-1, 3)[chosen] @ R_WP[:, :2]).T
+    points = np.take(points_W.reshape(-1, 3), chosen, axis=0)
+    across, along = (points @ R_WP[:, :2]).T
     level, left, right = edges_by_level(along, across)
     breadth = np.maximum(right - left, 0.0)
     least = config.min_breadth * breadth.max()

@@ -54,6 +54,7 @@ class ClassicSegmenter:
         skin = np.zeros(picture.boxed.shape, dtype=bool)
         inside = np.flatnonzero(picture.boxed)
         if len(inside) > 0:
-            colours = picture.colour.reshape(-1, picture.colour.shape[2])[inside]
+            pixels = picture.colour.reshape(-1, picture.colour.shape[2])
+            colours = np.take(pixels, inside, axis=0)
             skin.ravel()[inside] = skin_mask(colours[None], self.config)[0]
         return skin

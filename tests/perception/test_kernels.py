@@ -12,6 +12,7 @@ from bath_drake.perception.canonical import (
     CanonicalMap,
     edges_by_level,
 )
+from bath_drake.perception.offsets import less
 from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
@@ -195,3 +196,25 @@ def test_specks_are_filled_and_larger_holes_are_not():
     large[8:12, 12:16] = True
     filled = morphology.without_specks(mask & ~large, 4)
     np.testing.assert_array_equal(filled, ~large)
+
+
+@pytest.mark.parametrize("radius", [1.0, 2.0, 3.0, 7.0])
+def test_masks_are_near_where_one_grown_meets_the_other(rng, radius):
+    met = []
+    for _ in range(40):
+        mask, other = np.zeros((2, 30, 40), dtype=bool)
+        mask[rng.integers(30), rng.integers(40)] = True
+        other[rng.integers(30), rng.integers(40)] = True
+        met.append(morphology.near(mask, other, radius))
+        assert met[-1] == (morphology.dilate(mask, radius) & other).any()
+        assert not morphology.near(mask & ~mask, other, radius)
+    assert 0 < sum(met) < len(met) or radius < 3.0
+
+
+@pytest.mark.parametrize("shape", [(3,), (0, 3), (50, 3), (4, 5, 3)])
+def test_points_less_one_are_numpys(rng, shape):
+    points, origin = rng.standard_normal(shape), rng.standard_normal(3)
+    np.testing.assert_array_equal(less(points, origin), points - origin)
+    np.testing.assert_array_equal(
+        less(points[..., ::-1], origin), points[..., ::-1] - origin
+    )
