@@ -12,7 +12,9 @@ from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.offsets import less
 from bath_drake.perception.quadric import cross
+from bath_drake.perception.quantiles import inner_range, median, trimmed_range
 from bath_drake.shared import Shared
 
 # Fewer points than this carry no extents worth the name.
@@ -34,9 +36,6 @@ MIDLINE_ROUNDS = 2
 
 # Rotations that went through files carry some 1e-7 of it.
 _ROUNDING = 1e-6 + 1e-5 * np.eye(3)
-
-# Quantiles are looked for in a histogram of this many bins first.
-BINS = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +77,7 @@ class CanonicalMap(Shared):
 
     def plane_from_world(self, p_W: FloatArray) -> FloatArray:
         """Returns points of W (..., 3) in P (..., 3), metres, height last."""
-        return (np.asarray(p_W, dtype=np.float64) - self.p_WP) @ self.R_WP
+        return less(p_W, self.p_WP) @ self.R_WP
 
     def canonical_from_world(self, p_W: FloatArray) -> FloatArray:
         """Projects points of W (..., 3) orthogonally onto the plane: N (..., 2)."""
@@ -163,8 +162,8 @@ def fit_canonical_map(
     Raises:
         ValueError: If there are too few points or they span no plane.
     """
-    mean, R_WP = principal_frame(points_W, up_W, eye_W, weights)
-    p_P = (points_W - mean) @ R_WP
+    mean, R_WP, offsets = _principal(points_W, up_W, eye_W, weights)
+    p_P = offsets @ R_WP
     if weights is None:
         weights = np.ones(len(p_P))
     low, high = np.array([trimmed_range(p_P[:, k], weights, trim) for k in (0, 1)]).T
@@ -188,6 +187,17 @@ def principal_frame(
 
     Arguments and errors are those of `fit_canonical_map`.
     """
+    mean, R_WP, _ = _principal(points_W, up_W, eye_W, weights)
+    return mean, R_WP
+
+
+def _principal(
+    points_W: FloatArray,
+    up_W: FloatArray,
+    eye_W: FloatArray,
+    weights: FloatArray | None,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The `principal_frame`, and the points (n, 3) less their mean."""
     points_W = np.asarray(points_W, dtype=np.float64)
     if points_W.ndim != 2 or points_W.shape[1] != 3 or len(points_W) < MIN_POINTS:
         raise ValueError(
@@ -198,8 +208,8 @@ def principal_frame(
         weights = np.ones(len(points_W))
     weights = weights / np.sum(weights)
     mean = weights @ points_W
-    offsets = points_W - mean
-    variances, axes = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)
+    offsets, weighted = _scaled_offsets(_contiguous(points_W), mean, weights)
+    variances, axes = np.linalg.eigh(weighted.T @ offsets)
     if not variances[1] > 1e-8:
         raise ValueError("the points lie on a line: they span no plane")
     z = np.ascontiguousarray(axes[:, 0])
@@ -209,7 +219,24 @@ def principal_frame(
         x = cross(y, z)
         angle = _midline_slope(offsets @ y, offsets @ x)
         y = np.cos(angle) * y + np.sin(angle) * x
-    return mean, np.column_stack([cross(y, z), y, z])
+    return mean, np.column_stack([cross(y, z), y, z]), offsets
+
+
+def _contiguous(values: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+@njit(cache=True)
+def _scaled_offsets(
+    points: FloatArray, mean: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Returns (n, 3) points less (3,) their mean, and these times (n,) weights."""
+    offsets, weighted = np.empty(points.shape), np.empty(points.shape)
+    for i in range(len(points)):
+        for k in range(3):
+            offsets[i, k] = points[i, k] - mean[k]
+            weighted[i, k] = offsets[i, k] * weights[i]
+    return offsets, weighted
 
 
 def edges_by_level(
@@ -226,39 +253,40 @@ def edges_by_level(
         and the left and right edges (m,) of the levels; of one without points they
         are +inf and -inf.
     """
-    level = ((along - along.min()) / LEVEL).astype(np.int64)
-    left, right = _edges(level, across)
+    level, left, right = _edges(
+        _contiguous(along), _contiguous(across), -np.inf, np.inf
+    )
     return level, left, right
 
 
 @njit(cache=True)
-def _edges(level: IntArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
-    left = np.full(level.max() + 1, np.inf)
-    right = np.full(level.max() + 1, -np.inf)
-    for i in range(len(level)):
-        left[level[i]] = min(left[level[i]], across[i])
-        right[level[i]] = max(right[level[i]], across[i])
-    return left, right
+def _edges(
+    along: FloatArray, across: FloatArray, low: float, high: float
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """The `edges_by_level` of the points from `low` to `high`; -1 for the others."""
+    least, greatest = np.inf, -np.inf
+    for a in along:
+        if low <= a <= high:
+            least, greatest = min(least, a), max(greatest, a)
+    count = int((greatest - least) / LEVEL) + 1 if greatest >= least else 0
+    level = np.full(len(along), -1, dtype=np.int64)
+    left, right = np.full(count, np.inf), np.full(count, -np.inf)
+    for i in range(len(along)):
+        if low <= along[i] <= high:
+            k = int((along[i] - least) / LEVEL)
+            level[i] = k
+            left[k], right[k] = min(left[k], across[i]), max(right[k], across[i])
+    return level, left, right
 
 
 def _midline_slope(along: FloatArray, across: FloatArray) -> float:
     """Returns the angle of the midline to the `along` axis, towards `across`."""
-    low, high = _quantiles(along, MIDLINE_TRIM)
-    inner = (along >= low) & (along <= high)
-    _, left, right = edges_by_level(along[inner], across[inner])
+    low, high = inner_range(along, MIDLINE_TRIM)
+    _, left, right = _edges(along, across, low, high)
     slopes = _slopes(left, right)
     if len(slopes) == 0:  # too short a region to have a midline
         return 0.0
-    return float(np.arctan(np.median(slopes)))
-
-
-def _quantiles(values: FloatArray, share: float) -> tuple[float, float]:
-    """Returns the quantiles of `share` and one minus it, as numpy has them."""
-    last = len(values) - 1
-    low, high = share * last, (1.0 - share) * last
-    places = [int(low), min(int(low) + 1, last), int(high), min(int(high) + 1, last)]
-    a, b, c, d = np.partition(values, places)[places].tolist()
-    return a + (low - int(low)) * (b - a), c + (high - int(high)) * (d - c)
+    return float(np.arctan(median(slopes)))
 
 
 @njit(cache=True)
@@ -295,36 +323,3 @@ def _up_axis(
     share = np.clip((ratio - SQUARE_RATIO) / (OBLONG_RATIO - SQUARE_RATIO), 0, 1)
     angle *= share * share * (3.0 - 2.0 * share)
     return np.asarray(np.cos(angle) * up - np.sin(angle) * right)
-
-
-def trimmed_range(
-    values: FloatArray, weights: FloatArray, trim: float
-) -> tuple[float, float]:
-    """Returns the weighted quantiles of `trim` and one minus it."""
-    weights = weights / np.sum(weights)
-    return _low_quantile(values, weights, trim), -_low_quantile(-values, weights, trim)
-
-
-def _low_quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
-    """Returns the weighted quantile; only the values up to it are put in order.
-
-    Args:
-        values: (n,).
-        weights: (n,), of sum one.
-        share: The quantile asked for.
-    """
-    lowest, highest = values.min(), values.max()
-    if not highest > lowest:
-        return float(lowest)
-    bins = ((values - lowest) * (BINS / (highest - lowest))).astype(np.int64)
-    np.minimum(bins, BINS - 1, out=bins)
-    cumulated = np.cumsum(np.bincount(bins, weights, minlength=BINS))
-    # The values on either side of the quantile are in this bin, the ones before it
-    # or the next that is not empty.
-    last = int(np.searchsorted(cumulated, share, side="right"))
-    last = int(np.searchsorted(cumulated, cumulated[min(last, BINS - 1)], "right"))
-    tail = np.flatnonzero(bins <= last)
-    order = tail[np.argsort(values[tail])]
-    # Each point's weight is centred on it, so equal weights give the usual ones.
-    centred = np.cumsum(weights[order]) - 0.5 * weights[order]
-    return float(np.interp(share, centred, values[order]))

@@ -14,6 +14,7 @@ from bath_drake.notation import BoolArray, FloatArray, IntArray
 from bath_drake.perception import morphology
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.offsets import less
 
 # Projected points within this many pixels of each other leave no hole between.
 POINT_GAP = 1.5
@@ -42,7 +43,7 @@ class BackTemplate:
 
     def points_in_world(self, canonical_map: CanonicalMap) -> FloatArray:
         """Returns the points (n, 3) in W where the back is now."""
-        return canonical_map.p_WP + self.points_P @ canonical_map.R_WP.T
+        return less(self.points_P @ canonical_map.R_WP.T, -canonical_map.p_WP)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,7 @@ def pixel_indices(
     points_W: FloatArray, camera: PinholeCamera, R_WC: FloatArray, p_WC: FloatArray
 ) -> IntArray:
     """Returns the (n, 2) rows and columns that show points (n, 3); -1 if none."""
-    p_C = np.ascontiguousarray((points_W - p_WC) @ R_WC)
+    p_C = np.ascontiguousarray(less(points_W, p_WC) @ R_WC)
     lens = camera.fx, camera.fy, camera.cx, camera.cy
     return _indices(p_C, lens, camera.width, camera.height)
 
@@ -87,14 +88,25 @@ def _indices(
 def covered_pixels(indices: IntArray, shape: tuple[int, int]) -> BoolArray:
     """Returns the mask of pixels (n, 2) as of `pixel_indices`, gaps closed."""
     mask = np.zeros(shape, dtype=bool)
-    seen = indices[np.flatnonzero(np.asarray(indices[:, 0] >= 0))]
-    if len(seen) == 0:
-        return mask
-    mask[seen[:, 0], seen[:, 1]] = True
-    low, high = np.maximum(seen.min(axis=0) - 2, 0), seen.max(axis=0) + 3
-    window = slice(low[0], high[0]), slice(low[1], high[1])
-    mask[window] = morphology.closed(mask[window], POINT_GAP)
+    top, bottom, left, right = _mark(indices, mask)
+    if top <= bottom:
+        window = slice(max(top - 2, 0), bottom + 3), slice(max(left - 2, 0), right + 3)
+        mask[window] = morphology.closed(mask[window], POINT_GAP)
     return mask
+
+
+@njit(cache=True)
+def _mark(indices: IntArray, mask: BoolArray) -> tuple[int, int, int, int]:
+    """Sets pixels (n, 2) in a mask; their first and last row and column."""
+    rows, columns = mask.shape
+    top, bottom, left, right = rows, -1, columns, -1
+    for i in range(len(indices)):
+        v, u = indices[i, 0], indices[i, 1]
+        if v >= 0:
+            mask[v, u] = True
+            top, bottom = min(top, v), max(bottom, v)
+            left, right = min(left, u), max(right, u)
+    return top, bottom, left, right
 
 
 def complete_depth(

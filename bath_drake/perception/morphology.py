@@ -48,6 +48,17 @@ def dilate(mask: BoolArray, radius: float) -> BoolArray:
     return np.asarray(distance <= radius)
 
 
+def near(mask: BoolArray, other: BoolArray, radius: float) -> bool:
+    """Whether a pixel of one mask is within `radius` pixels of the other's."""
+    x, y, width, height = cv2.boundingRect(_bytes(mask))
+    reach = int(np.ceil(radius))
+    window = (
+        slice(max(y - reach, 0), y + height + reach),
+        slice(max(x - reach, 0), x + width + reach),
+    )
+    return bool((dilate(mask[window], radius) & other[window]).any())
+
+
 def opened(mask: BoolArray, radius: float) -> BoolArray:
     """Returns what a disc of `radius` pixels can cover inside the mask."""
     return dilate(erode(mask, radius), radius) & mask

@@ -54,7 +54,7 @@ class NeuralSegmenter:
     def segment(self, picture: Picture) -> BoolArray:
         """Returns the pixels (H, W) of a person, with skin's colour if that counts."""
         shape = picture.camera.shape
-        region = region_of(picture, self._config)
+        region = region_of(picture)
         if region is None:
             return np.zeros(shape, dtype=np.bool_)
         colour = picture.colour[..., :3]

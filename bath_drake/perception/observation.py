@@ -16,12 +16,18 @@ from bath_drake.perception.completion import (
     covered_pixels,
     pixel_indices,
 )
+from bath_drake.perception.crop import (
+    boxed_pixels,
+    crop_to_body,
+    points_in_window,
+    seen_points,
+)
 from bath_drake.perception.pixels import pixel_areas, points_in_world
 from bath_drake.perception.segmentation import (
     STRIDE,
     UP_W,
     SegmentationConfig,
-    segment_back,
+    segment_crop,
 )
 from bath_drake.perception.segmenter import ClassicSegmenter, Picture, Segmenter
 
@@ -73,20 +79,24 @@ def observe_body(
     R_WC = np.ascontiguousarray(R_WC, dtype=np.float64)
     p_WC = np.ascontiguousarray(p_WC, dtype=np.float64)
     view = _View(camera, R_WC, p_WC)
-    depth = np.asarray(depth, dtype=np.float64)
-    image_W = points_in_world(depth, camera.rays, R_WC, p_WC)
+    low, high = config.box_low_W, config.box_high_W
+    boxed = boxed_pixels(depth, camera, R_WC, p_WC, low, high)
     template_W, indices, expected = _expect(previous, view)
     segmenter = ClassicSegmenter(config) if segmenter is None else segmenter
-    skin = segmenter.segment(Picture(colour, depth, camera, image_W))
-    visible, completed = segment_back(skin, image_W, robot_mask, config, expected)
-    areas = pixel_areas(image_W, depth, visible, p_WC, view.focal2)
-    seen = np.flatnonzero(visible)
-    points_W = image_W.reshape(-1, 3)[seen]
-    point_areas = areas.ravel()[seen]
+    skin = segmenter.segment(Picture(colour, depth, camera, boxed))
+    crop = crop_to_body(boxed, robot_mask, expected.mask if expected else None)
+    near, near_W = points_in_window(depth, camera, R_WC, p_WC, crop.window)
+    seen, completed = segment_crop(
+        crop, skin, near_W, boxed, robot_mask, config, expected
+    )
+    visible = crop.placed(seen, camera.shape)
+    points_W, point_areas, pixels = seen_points(
+        near_W, near, seen, p_WC, view.focal2, crop.corner
+    )
     area = float(point_areas.sum())
     reference = max(previous.reference_area, area)
     fraction = area / reference if reference > 0.0 else 0.0
-    found = bool(len(seen) >= config.min_pixels and fraction >= config.min_fraction)
+    found = bool(len(pixels) >= config.min_pixels and fraction >= config.min_fraction)
     completed_W, completed_areas = previous.completed_points_W, previous.completed_areas
     template, tracked = previous.template, previous.tracked_map
     # Where this frame shows no back, what was seen has grown older.
@@ -98,7 +108,8 @@ def observe_body(
             hidden_W, hidden_areas = template_W[behind], template.areas[behind]
             age = stamp - template.seen_at
         else:
-            hidden_W, hidden_areas = _extrapolate(depth, visible, completed, view)
+            whole = crop.placed(completed, camera.shape)
+            hidden_W, hidden_areas = _extrapolate(depth, visible, whole, view)
             age = np.inf
         completed_W = np.concatenate([points_W, hidden_W])
         completed_areas = np.concatenate([point_areas, hidden_areas])
@@ -106,18 +117,18 @@ def observe_body(
         tracked = fit_canonical_map(
             completed_W[::STRIDE], UP_W, p_WC, completed_areas[::STRIDE]
         )
-        if not (morphology.dilate(visible, TOUCH) & robot_mask).any():
+        if not morphology.near(visible, robot_mask, TOUCH):
             template = BackTemplate(
                 tracked.plane_from_world(points_W), point_areas, stamp
             )
-    rows, columns = np.divmod(seen, camera.width)
+    places = pixels[:, 1] * camera.width + pixels[:, 0]
     return BodyObservation(
         stamp=stamp,
         mask=visible,
         robot_mask=robot_mask,
         points_W=points_W,
-        pixels=np.column_stack([columns, rows]),
-        colours=colour.reshape(-1, colour.shape[2])[seen, :3],
+        pixels=pixels,
+        colours=np.take(colour.reshape(-1, colour.shape[2]), places, axis=0)[:, :3],
         point_areas=point_areas,
         completed_points_W=completed_W,
         completed_areas=completed_areas,
@@ -167,7 +178,7 @@ def _extrapolate(
     hidden = completed & ~visible
     if not hidden.any():
         return np.zeros((0, 3)), np.zeros(0)
-    depth = complete_depth(depth, visible, completed)
+    depth = complete_depth(np.asarray(depth, dtype=np.float64), visible, completed)
     whole_W = points_in_world(depth, view.camera.rays, view.R_WC, view.p_WC)
     areas = pixel_areas(whole_W, depth, completed, view.p_WC, view.focal2)
     return whole_W[hidden], areas[hidden]

@@ -74,7 +74,7 @@ class OnnxSegmenter:
                 input's size, or something that is not finite.
         """
         shape = picture.camera.shape
-        region = region_of(picture, self._config)
+        region = region_of(picture)
         if region is None:
             return np.zeros(shape, dtype=np.bool_)
         colour = picture.colour[..., :3]

@@ -286,19 +286,34 @@ def pixel_areas(
         for u in range(columns):
             if not mask[v, u]:
                 continue
-            a = u - 1 if u > 0 and mask[v, u - 1] else u
-            b = u + 1 if u < columns - 1 and mask[v, u + 1] else u
-            c = v - 1 if v > 0 and mask[v - 1, u] else v
-            d = v + 1 if v < rows - 1 and mask[v + 1, u] else v
-            n0, n1, n2 = _cross(points[v, a], points[v, b], points[c, u], points[d, u])
-            length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
-            ray0 = points[v, u, 0] - eye[0]
-            ray1 = points[v, u, 1] - eye[1]
-            ray2 = points[v, u, 2] - eye[2]
-            r = np.sqrt(ray0 * ray0 + ray1 * ray1 + ray2 * ray2)
-            cosine = 1.0
-            if length > 0.0:
-                dot = n0 * ray0 + n1 * ray1 + n2 * ray2
-                cosine = max(abs(dot) / (length * r), MIN_COSINE)
-            areas[v, u] = depth[v, u] ** 3 / (r * focal2 * cosine)
+            areas[v, u] = pixel_area(points, depth[v, u], mask, v, u, eye, focal2)
     return areas
+
+
+@njit(cache=True, inline="always")
+def pixel_area(
+    points: FloatArray,
+    z: float,
+    mask: BoolArray,
+    v: int,
+    u: int,
+    eye: FloatArray,
+    focal2: float,
+) -> float:
+    """Returns the surface behind one pixel, at the depth z, as of `pixel_areas`."""
+    rows, columns = mask.shape
+    a = u - 1 if u > 0 and mask[v, u - 1] else u
+    b = u + 1 if u < columns - 1 and mask[v, u + 1] else u
+    c = v - 1 if v > 0 and mask[v - 1, u] else v
+    d = v + 1 if v < rows - 1 and mask[v + 1, u] else v
+    n0, n1, n2 = _cross(points[v, a], points[v, b], points[c, u], points[d, u])
+    length = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+    ray0 = points[v, u, 0] - eye[0]
+    ray1 = points[v, u, 1] - eye[1]
+    ray2 = points[v, u, 2] - eye[2]
+    r = np.sqrt(ray0 * ray0 + ray1 * ray1 + ray2 * ray2)
+    cosine = 1.0
+    if length > 0.0:
+        dot = n0 * ray0 + n1 * ray1 + n2 * ray2
+        cosine = max(abs(dot) / (length * r), MIN_COSINE)
+    return float(z**3 / (r * focal2 * cosine))

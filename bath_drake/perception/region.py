@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bath_drake.notation import BoolArray, FloatArray
-from bath_drake.perception.pixels import inside_box
-from bath_drake.perception.segmentation import SegmentationConfig
 from bath_drake.perception.segmenter import Picture
 
 # The square is so much larger than what is in it: a person's outline needs some room.
@@ -68,7 +66,6 @@ def region_around(mask: BoolArray) -> Region | None:
     return Region(column + (width - side) / 2.0, row + (height - side) / 2.0, side)
 
 
-def region_of(picture: Picture, config: SegmentationConfig) -> Region | None:
+def region_of(picture: Picture) -> Region | None:
     """Returns the square around what is in the workspace box; None if nothing is."""
-    low, high = config.box_low_W, config.box_high_W
-    return region_around(inside_box(picture.points_W, low, high))
+    return region_around(picture.boxed)

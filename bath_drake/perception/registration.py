@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception.height_field import HeightField, look_up
+from bath_drake.perception.offsets import less
 from bath_drake.perception.turns import turn_vector
 
 # Every how many points are laid on, and how often.
@@ -59,7 +60,7 @@ class BodyPose:
 
     def unbent(self, p_W: FloatArray) -> FloatArray:
         """Returns points (n, 3) of W in B, m, as if the body were not bent."""
-        p_B = (np.asarray(p_W, dtype=np.float64) - self.p_WB) @ self.R_WB
+        p_B = less(p_W, self.p_WB) @ self.R_WB
         return p_B - _bent_by(p_B, self.curvature)
 
     def bent(self, p_B: FloatArray) -> FloatArray:

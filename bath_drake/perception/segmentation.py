@@ -14,6 +14,7 @@ from bath_drake.perception.canonical import (
     principal_frame,
 )
 from bath_drake.perception.completion import Expectation
+from bath_drake.perception.crop import Crop, crop_to_body
 from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
@@ -22,6 +23,7 @@ from bath_drake.perception.pixels import (
     normals_at,
     with_rim,
 )
+from bath_drake.perception.quantiles import median
 
 UP_W = np.array([0.0, 0.0, 1.0])
 UP_W.setflags(write=False)
@@ -141,7 +143,7 @@ def skin_mask(colour: ByteArray, config: SegmentationConfig) -> BoolArray:
 def pixel_pitch(points: FloatArray, mask: BoolArray) -> float:
     """Returns the metres between neighbouring columns of a mask, the median."""
     steps = column_steps(points, mask)
-    return float(np.median(steps)) if len(steps) > 0 else float("nan")
+    return median(steps) if len(steps) > 0 else float("nan")
 
 
 def segment_back(
@@ -166,34 +168,55 @@ def segment_back(
         pixel of the robot; the second adds those of them that are `expected` to
         hide the back. Both are empty if there is no torso.
     """
-    visible = np.zeros(robot_mask.shape, dtype=bool)
-    completed = visible.copy()
     boxed = inside_box(points_W, config.box_low_W, config.box_high_W)
-    window = _window(boxed)
-    if window is not None:
-        visible[window], completed[window] = _segment(
-            np.ascontiguousarray(skin[window]),
-            np.ascontiguousarray(points_W[window]),
-            np.ascontiguousarray(boxed[window]),
-            np.ascontiguousarray(robot_mask[window]),
-            config,
-            expected and replace(expected, mask=expected.mask[window]),
-        )
-    return visible, completed
+    crop = crop_to_body(boxed, robot_mask, expected.mask if expected else None)
+    visible, completed = segment_crop(
+        crop, skin, points_W[crop.window], boxed, robot_mask, config, expected
+    )
+    shape = boxed.shape
+    return crop.placed(visible, shape), crop.placed(completed, shape)
 
 
-def _window(mask: BoolArray, margin: int = 2) -> tuple[slice, slice] | None:
-    """Returns the rows and columns around a mask; None if it is empty."""
-    x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
-    if width == 0:
-        return None
-    return (
-        slice(max(y - margin, 0), y + height + margin),
-        slice(max(x - margin, 0), x + width + margin),
+def segment_crop(
+    crop: Crop,
+    skin: BoolArray,
+    points_W: FloatArray,
+    boxed: BoolArray,
+    robot_mask: BoolArray,
+    config: SegmentationConfig,
+    expected: Expectation | None = None,
+) -> tuple[BoolArray, BoolArray]:
+    """Does as `segment_back`, where a body may be.
+
+    Args:
+        crop: The window (h, w), of `crop_to_body` with the masks given here.
+        skin: (H, W) of the whole image, as all masks.
+        points_W: (h, w, 3) of the window alone.
+        boxed: (H, W) pixels that show something in the workspace box.
+        robot_mask: (H, W) pixels that may show the robot.
+        config: What to take for a back.
+        expected: Where the back was last.
+
+    Returns:
+        The visible back and the completed one, (h, w) each.
+    """
+    window = crop.window
+    if points_W.size == 0:
+        nothing = np.zeros(points_W.shape[:2], dtype=bool)
+        return nothing, nothing
+    return _segment(
+        crop,
+        np.ascontiguousarray(skin[window]),
+        np.ascontiguousarray(points_W),
+        np.ascontiguousarray(boxed[window]),
+        np.ascontiguousarray(robot_mask[window]),
+        config,
+        expected and replace(expected, mask=expected.mask[window]),
     )
 
 
 def _segment(
+    crop: Crop,
     coloured: BoolArray,
     points_W: FloatArray,
     boxed: BoolArray,
@@ -218,7 +241,7 @@ def _segment(
     else:
         hidden = robot_mask & expected.mask
     skin = skin | hidden
-    skin = skin | (morphology.closed(skin, config.gap_radius / pitch) & solid)
+    skin = skin | (_closed(crop, skin, config.gap_radius / pitch) & solid)
     skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
     # A pixel that the sensor lost must not keep a disc of fifty out.
     skin = morphology.without_specks(skin, SPECK)
@@ -233,6 +256,16 @@ def _segment(
     if expected is None:
         hidden = _hidden(robot_mask, visible)
     return visible, visible | hidden
+
+
+def _closed(crop: Crop, mask: BoolArray, radius: float) -> BoolArray:
+    """The mask with its gaps closed by discs that may stand beside the window."""
+    reach = int(np.ceil(radius)) + 1
+    top, bottom, left, right = (min(spare, reach) for spare in crop.spare)
+    rows, columns = mask.shape
+    padded = np.pad(mask, ((top, bottom), (left, right)))
+    closed = morphology.closed(padded, radius)
+    return closed[top : top + rows, left : left + columns]
 
 
 def _hidden(robot_mask: BoolArray, visible: BoolArray) -> BoolArray:
@@ -256,13 +289,13 @@ def _trimmed(
         return np.zeros_like(torso)
     # A back that the robot hides in part has the axes of the frame before; a whole one
     # has its own, however far it has moved since.
-    hidden = (morphology.dilate(torso, ROBOT_RIM) & robot_mask).any()
+    hidden = morphology.near(torso, robot_mask, ROBOT_RIM)
     if expected is not None and hidden:
         R_WP, span = expected.R_WP, expected.span
     else:
         # Normals are on the camera's side: so is the point their mean leads to.
         some = np.flatnonzero(torso)[::STRIDE]
-        points = points_W.reshape(-1, 3)[some]
+        points = np.take(points_W.reshape(-1, 3), some, axis=0)
         normals = normals_at(points_W, torso, NORMAL_REACH, some)
         eye = points.mean(axis=0) + normals.mean(axis=0)
         _, R_WP = principal_frame(points, UP_W, eye)
@@ -272,7 +305,8 @@ def _trimmed(
     chosen = np.flatnonzero(torso)
     if len(chosen) < MIN_POINTS:
         return np.zeros_like(torso)
-    across, along = (points_W.reshape(-1, 3)[chosen] @ R_WP[:, :2]).T
+    points = np.take(points_W.reshape(-1, 3), chosen, axis=0)
+    across, along = (points @ R_WP[:, :2]).T
     level, left, right = edges_by_level(along, across)
     breadth = np.maximum(right - left, 0.0)
     least = config.min_breadth * breadth.max()

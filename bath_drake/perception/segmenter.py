@@ -7,6 +7,8 @@ all (`bath_drake.perception.segmentation`).
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.segmentation import SegmentationConfig, skin_mask
@@ -20,13 +22,13 @@ class Picture:
         colour: (H, W, 3 or 4), RGB.
         depth: (H, W), metres; zero, NaN or infinite where nothing was measured.
         camera: The camera, the same for colour and depth.
-        points_W: (H, W, 3) what the depth shows, metres; NaN where nothing.
+        boxed: (H, W) pixels that show something in the workspace box.
     """
 
     colour: ByteArray
     depth: FloatArray
     camera: PinholeCamera
-    points_W: FloatArray
+    boxed: BoolArray
 
 
 class Segmenter(Protocol):
@@ -48,5 +50,11 @@ class ClassicSegmenter:
     config: SegmentationConfig
 
     def segment(self, picture: Picture) -> BoolArray:
-        """Returns the pixels (H, W) that have the colour of skin."""
-        return skin_mask(picture.colour, self.config)
+        """Returns the pixels (H, W) in the box that have the colour of skin."""
+        skin = np.zeros(picture.boxed.shape, dtype=bool)
+        inside = np.flatnonzero(picture.boxed)
+        if len(inside) > 0:
+            pixels = picture.colour.reshape(-1, picture.colour.shape[2])
+            colours = np.take(pixels, inside, axis=0)
+            skin.ravel()[inside] = skin_mask(colours[None], self.config)[0]
+        return skin

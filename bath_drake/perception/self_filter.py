@@ -5,9 +5,11 @@ from typing import Protocol
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
+from bath_drake.perception.offsets import less
 
 # Nearer than this to the camera's plane a hull is cut off, metres.
 NEAR = 0.02
@@ -48,21 +50,47 @@ def robot_silhouette(
         (H, W) mask, True where the robot may be.
     """
     canvas = np.zeros(camera.shape, dtype=np.uint8)
-    for hull in hulls_W:
-        p_C = (np.asarray(hull, dtype=np.float64) - p_WC) @ R_WC
-        p_C = _clip_near(p_C)
-        if len(p_C) == 0:
-            continue
-        pixels = np.clip(camera.project(p_C) - 0.5, -FAR_PIXEL, FAR_PIXEL)
-        outline = cv2.convexHull(pixels.astype(np.float32).reshape(-1, 1, 2))
-        # Four fractional bits keep the outline to a sixteenth of a pixel.
-        fixed = np.round(outline * 16.0).astype(np.int32)
-        cv2.fillConvexPoly(canvas, fixed, 1, lineType=cv2.LINE_8, shift=4)
-    if dilation_px > 0:
+    for outline in _outlines(hulls_W, camera, R_WC, p_WC):
+        cv2.fillConvexPoly(canvas, outline, 1, lineType=cv2.LINE_8, shift=4)
+    x, y, width, height = cv2.boundingRect(canvas)
+    if dilation_px > 0 and width > 0:
         size = 2 * dilation_px + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
-        canvas[:] = cv2.dilate(canvas, disc)
-    return canvas.astype(bool)
+        window = (
+            slice(max(y - dilation_px, 0), y + height + dilation_px),
+            slice(max(x - dilation_px, 0), x + width + dilation_px),
+        )
+        canvas[window] = cv2.dilate(canvas[window], disc)
+    return canvas.view(np.bool_)
+
+
+def _outlines(
+    hulls_W: Sequence[FloatArray],
+    camera: PinholeCamera,
+    R_WC: FloatArray,
+    p_WC: FloatArray,
+) -> list[NDArray[np.int32]]:
+    """Returns the hulls' projections (n, 1, 2) in sixteenths of a pixel."""
+    if len(hulls_W) == 0:
+        return []
+    p_C = less(np.concatenate(hulls_W), p_WC) @ R_WC
+    ends = np.cumsum([len(hull) for hull in hulls_W])[:-1]
+    hulls_C = np.split(p_C, ends)
+    if not (p_C[:, 2] >= NEAR).all():
+        hulls_C = [_clip_near(hull) for hull in hulls_C]
+        p_C = np.concatenate(hulls_C)
+        ends = np.cumsum([len(hull) for hull in hulls_C])[:-1]
+    places = np.clip(camera.project(p_C) - 0.5, -FAR_PIXEL, FAR_PIXEL)
+    pixels = places.astype(np.float32).reshape(-1, 1, 2)
+    # Four fractional bits keep the outline to a sixteenth of a pixel.
+    fixed = np.round(pixels * 16.0).astype(np.int32)
+    outlines = []
+    pairs = zip(np.split(pixels, ends), np.split(fixed, ends), strict=True)
+    for hull, corners in pairs:
+        if len(hull) > 0:
+            around = cv2.convexHull(hull, returnPoints=False).ravel()
+            outlines.append(corners[around])
+    return outlines
 
 
 def _clip_near(p_C: FloatArray) -> FloatArray:

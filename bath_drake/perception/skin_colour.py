@@ -45,31 +45,23 @@ def skin_deviations(observation: BodyObservation) -> FloatArray:
     n = len(observation.points_W)
     if n < MIN_POINTS:
         return np.zeros((n, 3))
-    columns, rows = observation.pixels.T
-    red, green, blue = observation.colours.T
-    value = np.maximum(np.maximum(red, green), blue).astype(np.float64)
-    smooth = _means(
-        np.ascontiguousarray(observation.colours),
-        np.ascontiguousarray(rows),
-        np.ascontiguousarray(columns),
-        *observation.mask.shape,
-    )
-    logs = np.log(np.maximum(smooth, LEAST_COLOUR))
-    ratios = logs[:, :2] - logs[:, 1:]
     # Of order one, so that the normal equations are well conditioned.
-    x = np.asarray((columns - columns.mean()) / 100.0, dtype=np.float64)
-    y = np.asarray((rows - rows.mean()) / 100.0, dtype=np.float64)
-    off = np.column_stack([value, ratios])
+    x, y, value, smooth = _prepared(
+        np.ascontiguousarray(observation.pixels),
+        np.ascontiguousarray(observation.colours),
+    )
+    off = _with_ratios(value, np.log(np.maximum(smooth, LEAST_COLOUR)))
     usual = np.array([DARK_SHARE, 1.0, 1.0]) * _medians(off)
     skin = _near_usual(off, usual, 2.0 * OFF_COLOUR)
     deviations = np.zeros((n, 3))
-    for _ in range(ROUNDS):
+    for k in range(ROUNDS):
+        if k > 0:
+            skin = ~off_skin(deviations)
         if np.count_nonzero(skin) < MIN_POINTS:
             return np.zeros((n, 3))
         moments, sums = _normal_equations(x, y, off, skin)
         fit = np.ascontiguousarray(np.linalg.lstsq(moments, sums, rcond=None)[0])
         deviations = _off_quadratics(x, y, off, fit)
-        skin = ~off_skin(deviations)
     return deviations
 
 
@@ -77,11 +69,15 @@ def off_skin(deviations: FloatArray) -> BoolArray:
     """Returns which of `skin_deviations` (n, 3) are no skin's."""
     if len(deviations) == 0:
         return np.zeros(0, dtype=bool)
+    deviations = np.ascontiguousarray(deviations)
     # Of a normal distribution the median of the absolute is 0.674 deviations.
-    noise = _medians(np.abs(deviations[:, 1:])) / 0.674
-    limits = np.maximum(OFF_COLOUR, SIGMAS * noise)
+    limits = np.full(2, OFF_COLOUR)
+    # Where more than half is quiet enough the noise decides nothing.
+    if 2 * (_quiet(deviations, 0.674 * OFF_COLOUR / SIGMAS) - 1) < len(deviations):
+        noise = _medians(np.abs(deviations[:, 1:])) / 0.674
+        limits = np.maximum(OFF_COLOUR, SIGMAS * noise)
     found: BoolArray = _beyond(
-        np.ascontiguousarray(deviations),
+        deviations,
         float(np.log(DARK_SHARE)),
         float(np.log(BRIGHT_SHARE)),
         limits,
@@ -131,27 +127,65 @@ def _beyond(
 
 
 @njit(cache=True)
-def _means(
-    colours: ByteArray, rows: IntArray, columns: IntArray, height: int, width: int
-) -> FloatArray:
-    """Returns (n, 3) the mean over each point's neighbours that are points too."""
-    index = np.full((height + 2, width + 2), -1, dtype=np.int64)
-    for i in range(len(rows)):
-        index[rows[i] + 1, columns[i] + 1] = i
-    means = np.empty((len(rows), 3))
-    for i in range(len(rows)):
-        count, red, green, blue = 0, 0.0, 0.0, 0.0
-        for row in range(rows[i], rows[i] + 3):
-            for column in range(columns[i], columns[i] + 3):
+def _quiet(deviations: FloatArray, most: float) -> int:
+    """How many have a ratio this little off, of that of the two that has fewer."""
+    first = second = 0
+    for i in range(len(deviations)):
+        first += abs(deviations[i, 1]) < most
+        second += abs(deviations[i, 2]) < most
+    return min(first, second)
+
+
+@njit(cache=True)
+def _prepared(
+    pixels: IntArray, colours: ByteArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Returns what is fitted, of pixels (n, 2) that are sorted by row.
+
+    Returns:
+        (n,) columns and rows from their means, in hundreds of pixels; the largest of
+        each colour (n,); its mean (n, 3) over the neighbours that are points too.
+    """
+    count = len(pixels)
+    left, right, column_sum, row_sum = int(pixels[0, 0]), int(pixels[0, 0]), 0, 0
+    for i in range(count):
+        left, right = min(left, pixels[i, 0]), max(right, pixels[i, 0])
+        column_sum += pixels[i, 0]
+        row_sum += pixels[i, 1]
+    top = pixels[0, 1]
+    index = np.full((pixels[-1, 1] - top + 3, right - left + 3), -1, dtype=np.int32)
+    x, y, value = np.empty(count), np.empty(count), np.empty(count)
+    for i in range(count):
+        u, v = pixels[i, 0], pixels[i, 1]
+        index[v - top + 1, u - left + 1] = i
+        x[i] = (u - column_sum / count) / 100.0
+        y[i] = (v - row_sum / count) / 100.0
+        value[i] = max(colours[i, 0], colours[i, 1], colours[i, 2])
+    means = np.empty((count, 3))
+    for i in range(count):
+        u, v = pixels[i, 0] - left, pixels[i, 1] - top
+        near, red, green, blue = 0, 0, 0, 0
+        for row in range(v, v + 3):
+            for column in range(u, u + 3):
                 j = index[row, column]
                 if j >= 0:
-                    count += 1
-                    red += colours[j, 0]
-                    green += colours[j, 1]
-                    blue += colours[j, 2]
-        means[i, 0], means[i, 1] = red / count, green / count
-        means[i, 2] = blue / count
-    return means
+                    near += 1
+                    red += int(colours[j, 0])
+                    green += int(colours[j, 1])
+                    blue += int(colours[j, 2])
+        means[i, 0], means[i, 1] = red / near, green / near
+        means[i, 2] = blue / near
+    return x, y, value, means
+
+
+@njit(cache=True)
+def _with_ratios(value: FloatArray, logs: FloatArray) -> FloatArray:
+    """Returns (n, 3) values, red over green and green over blue as logarithms."""
+    off = np.empty(logs.shape)
+    for i in range(len(value)):
+        off[i, 0] = value[i]
+        off[i, 1], off[i, 2] = logs[i, 0] - logs[i, 1], logs[i, 1] - logs[i, 2]
+    return off
 
 
 @njit(cache=True)

@@ -11,8 +11,8 @@ from bath_drake.perception.canonical import (
     LEVEL,
     CanonicalMap,
     edges_by_level,
-    trimmed_range,
 )
+from bath_drake.perception.offsets import less
 from bath_drake.perception.pixels import (
     behind_jump,
     column_steps,
@@ -20,7 +20,16 @@ from bath_drake.perception.pixels import (
     normals_at,
     pixel_normals,
 )
-from bath_drake.perception.skin_colour import LEAST_BRIGHTNESS, skin_deviations
+from bath_drake.perception.quantiles import inner_range, median, trimmed_range
+from bath_drake.perception.skin_colour import (
+    BRIGHT_SHARE,
+    DARK_SHARE,
+    LEAST_BRIGHTNESS,
+    OFF_COLOUR,
+    SIGMAS,
+    off_skin,
+    skin_deviations,
+)
 from bath_drake.perception.surface import fit_surface
 
 # Sums of some ten thousand numbers of order one, in another order.
@@ -62,6 +71,17 @@ def test_atrimmed_range_of_one_value_is_that_value():
     assert trimmed_range(np.full(9, 0.3), np.ones(9), 0.01) == (0.3, 0.3)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.03, 0.4])
+@pytest.mark.parametrize("count", [1, 2, 7, 1000])
+def test_inner_ranges_and_medians_are_numpys(rng, count, share):
+    values = rng.standard_normal(count)
+    values[0] = 40.0
+    expected = np.quantile(values, [share, 1.0 - share])
+    assert inner_range(values, share) == pytest.approx(expected, abs=1e-14)
+    assert median(values) == np.median(values)
+    assert inner_range(np.full(count, 0.3), share) == (0.3, 0.3)
+
+
 def test_edges_are_the_least_and_greatest_of_each_level(rng):
     along, across = rng.random(400) * 0.5, rng.standard_normal(400)
     along[(along > 0.2) & (along < 0.25)] = 0.4  # some levels without points
@@ -96,6 +116,18 @@ def test_skin_brightness_is_the_least_squares_quadratic(draw_frame):
     assert around.min() > LEAST_BRIGHTNESS
     found = skin_deviations(observation)[:, 0]
     assert np.abs(found - np.log(value / around)).max() < ROUNDING
+
+
+@pytest.mark.parametrize("count", [1, 2, 101, 1000])
+@pytest.mark.parametrize("noise", [0.0, 0.02, 0.0242, 0.1])
+def test_off_skin_is_beyond_the_limit_or_the_medians_noise(rng, noise, count):
+    deviations = noise * rng.standard_normal((count, 3))
+    spread = np.median(np.abs(deviations[:, 1:]), axis=0) / 0.674
+    limits = np.maximum(OFF_COLOUR, SIGMAS * spread)
+    expected = (np.abs(deviations[:, 1:]) >= limits).any(axis=1)
+    expected |= deviations[:, 0] <= np.log(DARK_SHARE)
+    expected |= deviations[:, 0] >= np.log(BRIGHT_SHARE)
+    np.testing.assert_array_equal(off_skin(deviations), expected)
 
 
 def test_a_quadric_without_noise_is_found_to_rounding(rng):
@@ -164,3 +196,25 @@ def test_specks_are_filled_and_larger_holes_are_not():
     large[8:12, 12:16] = True
     filled = morphology.without_specks(mask & ~large, 4)
     np.testing.assert_array_equal(filled, ~large)
+
+
+@pytest.mark.parametrize("radius", [1.0, 2.0, 3.0, 7.0])
+def test_masks_are_near_where_one_grown_meets_the_other(rng, radius):
+    met = []
+    for _ in range(40):
+        mask, other = np.zeros((2, 30, 40), dtype=bool)
+        mask[rng.integers(30), rng.integers(40)] = True
+        other[rng.integers(30), rng.integers(40)] = True
+        met.append(morphology.near(mask, other, radius))
+        assert met[-1] == (morphology.dilate(mask, radius) & other).any()
+        assert not morphology.near(mask & ~mask, other, radius)
+    assert 0 < sum(met) < len(met) or radius < 3.0
+
+
+@pytest.mark.parametrize("shape", [(3,), (0, 3), (50, 3), (4, 5, 3)])
+def test_points_less_one_are_numpys(rng, shape):
+    points, origin = rng.standard_normal(shape), rng.standard_normal(3)
+    np.testing.assert_array_equal(less(points, origin), points - origin)
+    np.testing.assert_array_equal(
+        less(points[..., ::-1], origin), points[..., ::-1] - origin
+    )

@@ -8,9 +8,9 @@ import pytest
 
 from bath_drake.errors import SegmenterError
 from bath_drake.perception.config import PerceptionConfig
+from bath_drake.perception.crop import boxed_pixels
 from bath_drake.perception.neural_segmenter import NeuralSegmenter
 from bath_drake.perception.onnx_segmenter import OnnxSegmenter
-from bath_drake.perception.pixels import points_in_world
 from bath_drake.perception.region import Region, region_around
 from bath_drake.perception.segmentation import skin_mask
 from bath_drake.perception.segmenter import ClassicSegmenter, Picture
@@ -22,10 +22,10 @@ SHIPPED = models_folder() / "segmenters" / "selfie_segmentation.tflite"
 
 
 def picture_of(frame):
-    points_W = points_in_world(
-        frame.depth, frame.camera.rays, np.ascontiguousarray(frame.R_WC), frame.p_WC
-    )
-    return Picture(frame.colour, frame.depth, frame.camera, points_W)
+    low, high = frame.config.box_low_W, frame.config.box_high_W
+    R_WC = np.ascontiguousarray(frame.R_WC)
+    boxed = boxed_pixels(frame.depth, frame.camera, R_WC, frame.p_WC, low, high)
+    return Picture(frame.colour, frame.depth, frame.camera, boxed)
 
 
 @pytest.fixture
@@ -33,9 +33,11 @@ def frame(draw_frame):
     return draw_frame()
 
 
-def test_the_classic_one_is_the_colour_filter(frame):
-    mask = ClassicSegmenter(frame.config).segment(picture_of(frame))
-    np.testing.assert_array_equal(mask, skin_mask(frame.colour, frame.config))
+def test_the_classic_one_is_the_colour_filter_in_the_box(frame):
+    picture = picture_of(frame)
+    mask = ClassicSegmenter(frame.config).segment(picture)
+    expected = skin_mask(frame.colour, frame.config) & picture.boxed
+    np.testing.assert_array_equal(mask, expected)
 
 
 def test_a_region_goes_there_and_back():

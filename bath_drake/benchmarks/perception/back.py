@@ -26,7 +26,7 @@ from bath_drake.perception.body_rim import share_within
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.config import PerceptionConfig, segmentation
 from bath_drake.perception.map_follower import MAP_FOLLOWERS, FollowedMap, frame_map
-from bath_drake.perception.pixels import points_in_world
+from bath_drake.perception.pixels import inside_box, points_in_world
 from bath_drake.perception.segmentation import segment_back
 from bath_drake.perception.segmenter import ClassicSegmenter, Picture
 from bath_drake.perception.surface import fit_path
@@ -153,8 +153,9 @@ def _segment_seconds(film: Filmed, frame: Frame) -> float:
     depth = frame.depth.astype(np.float64)
     points_W = points_in_world(depth, film.camera.rays, R_WC, np.array(camera.eye))
     nobody, config = np.zeros(depth.shape, dtype=bool), segmentation(PerceptionConfig())
+    boxed = inside_box(points_W, config.box_low_W, config.box_high_W)
     begin = time.perf_counter()
-    picture = Picture(frame.colour, depth, film.camera, points_W)
+    picture = Picture(frame.colour, depth, film.camera, boxed)
     segment_back(ClassicSegmenter(config).segment(picture), points_W, nobody, config)
     return time.perf_counter() - begin
 

@@ -17,7 +17,8 @@ from bath_drake.demonstrations.capture.rigid_tracking import (
 from bath_drake.demonstrations.capture.view import View
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception import morphology
-from bath_drake.perception.canonical import CanonicalMap, trimmed_range
+from bath_drake.perception.canonical import CanonicalMap
+from bath_drake.perception.quantiles import trimmed_range
 from bath_drake.perception.segmentation import pixel_pitch
 
 # Each round lays the mirror image over the surface from where the last one ended.
