@@ -14,13 +14,19 @@ endif
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow lint setup lock people clean
+.PHONY: demo test test-slow lint kernels setup lock people clean
 
 demo: $(READY)
 	$(BIN)/bath-drake demo
 
-test: lint
+test: $(READY)
+	$(MAKE) --no-print-directory --jobs 2 lint kernels
 	$(BIN)/python $(PYTEST) -m "$(MARKERS)"
+
+# Each test process would compile them for itself, on a machine that never did.
+kernels: kernels-learning kernels-loop
+kernels-%: $(READY)
+	$(BIN)/python tests/compile_kernels.py $*
 
 # Whole closed loops and real learning: some minutes more.
 test-slow: $(READY)
