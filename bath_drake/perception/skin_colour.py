@@ -142,20 +142,22 @@ def _quiet(deviations: FloatArray, most: float) -> int:
 def _prepared(
     pixels: IntArray, colours: ByteArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Returns what is fitted, of pixels (n, 2) that are sorted by row.
+    """Returns what is fitted, of pixels (n, 2), columns and rows.
 
     Returns:
         (n,) columns and rows from their means, in hundreds of pixels; the largest of
         each colour (n,); its mean (n, 3) over the neighbours that are points too.
     """
     count = len(pixels)
-    left, right, column_sum, row_sum = int(pixels[0, 0]), int(pixels[0, 0]), 0, 0
+    left, top = pixels[0, 0], pixels[0, 1]
+    right, bottom, column_sum, row_sum = left, top, 0, 0
     for i in range(count):
-        left, right = min(left, pixels[i, 0]), max(right, pixels[i, 0])
-        column_sum += pixels[i, 0]
-        row_sum += pixels[i, 1]
-    top = pixels[0, 1]
-    index = np.full((pixels[-1, 1] - top + 3, right - left + 3), -1, dtype=np.int32)
+        u, v = pixels[i, 0], pixels[i, 1]
+        left, right = min(left, u), max(right, u)
+        top, bottom = min(top, v), max(bottom, v)
+        column_sum += u
+        row_sum += v
+    index = np.full((bottom - top + 3, right - left + 3), -1, dtype=np.int32)
     x, y, value = np.empty(count), np.empty(count), np.empty(count)
     for i in range(count):
         u, v = pixels[i, 0], pixels[i, 1]
