@@ -112,11 +112,71 @@ def check_body(
     return BodyCheck(stamps, area, places, known, int(np.count_nonzero(other)), settled)
 
 
+@njit(cache=True)
 def _grown(filled: BoolArray) -> BoolArray:
-    grown = ndimage.binary_dilation(
-        filled, np.ones((3, 3, 3), dtype=bool), iterations=_REACH
-    )
-    return np.asarray(grown)
+    """The voxels, and all that are no more than `_REACH` away along every axis."""
+    a, b, c = filled.shape
+    grown = np.zeros((a, b, c), dtype=np.bool_)
+    for i in range(a):
+        for j in range(b):
+            for k in range(c):
+                if filled[i, j, k]:
+                    for x in range(max(i - _REACH, 0), min(i + _REACH + 1, a)):
+                        for y in range(max(j - _REACH, 0), min(j + _REACH + 1, b)):
+                            for z in range(max(k - _REACH, 0), min(k + _REACH + 1, c)):
+                                grown[x, y, z] = True
+    return grown
+
+
+def measured_points(
+    depth: FloatArray,
+    rays: FloatArray,
+    X_WC: tuple[FloatArray, FloatArray],
+    robot_mask: BoolArray,
+    pixel: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Returns what a depth image shows beside the robot, one by one.
+
+    Args:
+        depth: (H, W), m; zero, NaN or infinite where nothing was measured.
+        rays: (H, W, 3) points at depth 1 in C.
+        X_WC: The camera's orientation (3, 3) and position (3,) in W, m.
+        robot_mask: (H, W) pixels that may show the robot; of another shape, none do.
+        pixel: Surface that a pixel shows at depth 1, m^2.
+
+    Returns:
+        The points (n, 3) in W, m, and the surface (n,) that each stands for, m^2.
+    """
+    if robot_mask.shape != depth.shape:
+        robot_mask = np.zeros(depth.shape, dtype=bool)
+    R_WC, p_WC = (np.ascontiguousarray(part) for part in X_WC)
+    return _measured(depth, rays, R_WC, p_WC, np.ascontiguousarray(robot_mask), pixel)
+
+
+@njit(cache=True)
+def _measured(
+    depth: FloatArray,
+    rays: FloatArray,
+    R_WC: FloatArray,
+    p_WC: FloatArray,
+    robot_mask: BoolArray,
+    pixel: float,
+) -> tuple[FloatArray, FloatArray]:
+    rows, columns = depth.shape
+    points, areas = np.empty((rows * columns, 3)), np.empty(rows * columns)
+    n = 0
+    for v in range(rows):
+        for u in range(columns):
+            z = depth[v, u]
+            if z > 0.0 and z < np.inf and not robot_mask[v, u]:
+                x, y = rays[v, u, 0] * z, rays[v, u, 1] * z
+                for k in range(3):
+                    points[n, k] = (
+                        R_WC[k, 0] * x + R_WC[k, 1] * y + R_WC[k, 2] * z + p_WC[k]
+                    )
+                areas[n] = pixel * (z * z)
+                n += 1
+    return points[:n], areas[:n]
 
 
 @cache

@@ -11,11 +11,10 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.turns import turn_vector
+from bath_drake.perception.turns import turn_matrix, turn_vector
 
 
 def _unsure() -> FloatArray:
@@ -139,7 +138,7 @@ def _difference(a: CanonicalMap, b: CanonicalMap) -> FloatArray:
 
 
 def _moved(canonical_map: CanonicalMap, motion: FloatArray) -> CanonicalMap:
-    R_WP = Rotation.from_rotvec(motion[:3]).as_matrix() @ canonical_map.R_WP
+    R_WP = turn_matrix(motion[:3]) @ canonical_map.R_WP
     # Thousands of products drift off the rotations by rounding.
     u, _, vt = np.linalg.svd(R_WP)
     return replace(canonical_map, R_WP=u @ vt, p_WP=canonical_map.p_WP + motion[3:])

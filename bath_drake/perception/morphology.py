@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from bath_drake.notation import BoolArray, ByteArray
+from bath_drake.perception.components import components
 
 
 def _bytes(mask: BoolArray) -> ByteArray:
@@ -71,33 +72,22 @@ def closed(mask: BoolArray, radius: float) -> BoolArray:
 
 def largest_component(mask: BoolArray) -> BoolArray:
     """Returns the largest 4-connected component; an empty mask stays empty."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(
-        _bytes(mask), connectivity=4
-    )
-    if count < 2:
+    found = components(mask)
+    if len(found.sizes) == 0:
         return mask.copy()
-    largest = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
-    return np.asarray(labels == largest)
+    return found.painted(np.arange(len(found.sizes)) == np.argmax(found.sizes))
 
 
 def without_holes(mask: BoolArray) -> BoolArray:
     """Returns the mask with everything it encloses."""
-    outlines, _ = cv2.findContours(
-        _bytes(mask), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE
-    )
-    canvas = np.zeros(mask.shape, dtype=np.uint8)
-    cv2.drawContours(canvas, outlines, -1, 1, thickness=cv2.FILLED)
-    return canvas.astype(bool)
+    holes = components(~mask)
+    return holes.painted(~holes.at_edge) | mask
 
 
 def without_specks(mask: BoolArray, most: int) -> BoolArray:
     """Returns the mask with the holes of up to `most` pixels that it encloses."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(
-        _bytes(~mask), connectivity=4
-    )
-    filled = np.zeros(count, dtype=bool)
-    filled[1:] = stats[1:, cv2.CC_STAT_AREA] <= most
-    return np.asarray(mask | filled[labels])
+    holes = components(~mask)
+    return holes.painted(holes.sizes <= most) | mask
 
 
 def convex_hull(mask: BoolArray) -> BoolArray:

@@ -10,12 +10,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
-from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception.height_field import HeightField, look_up
 from bath_drake.perception.offsets import less
-from bath_drake.perception.turns import turn_vector
+from bath_drake.perception.turns import turn_matrix, turn_vector
 
 # Every how many points are laid on, and how often.
 STRIDE = 8
@@ -128,8 +127,8 @@ def register(
         _believe(normal, slope, pose, outline, total)
         # What no point tells stays as it is.
         normal[np.diag_indices(9)] += 1e-9 * np.trace(normal)
-        step = -np.linalg.solve(normal, slope)
-        R_WB = pose.R_WB @ Rotation.from_rotvec(step[:3]).as_matrix()
+        step: FloatArray = np.asarray(-np.linalg.solve(normal, slope))
+        R_WB = pose.R_WB @ turn_matrix(step[:3])
         p_WB = pose.p_WB + R_WB @ step[3:6]
         pose = BodyPose(R_WB, p_WB, pose.curvature + step[6:])
         if k >= LEAST_ROUNDS and np.abs(step[:6]).max() < STILL:

@@ -48,14 +48,14 @@ def find_restricted_areas(
     if not margin_m >= 0.0:
         raise ValueError(f"margin_m must be >= 0, got {margin_m}")
     deviations = skin_deviations(observation)
-    columns, rows = observation.pixels.T
-    patches = np.zeros(observation.mask.shape, dtype=bool)
-    patches[rows, columns] = off_skin(deviations)
-    patches = morphology.opened(patches, RIM)
+    if len(deviations) == 0:
+        return ObstacleSet()
+    view = _View(observation)
+    patches = morphology.opened(view.placed(off_skin(deviations)), RIM)
     if not patches.any():
         return ObstacleSet()
     count, labels = cv2.connectedComponents(patches.view(np.uint8), connectivity=8)
-    label = labels[rows, columns]
+    label = labels[view.rows, view.columns]
     areas = np.bincount(label, observation.point_areas, minlength=count)
     p_P = canonical_map.plane_from_world(observation.points_W)[:, :2]
     ellipses = []
@@ -63,7 +63,7 @@ def find_restricted_areas(
         if areas[k] < min_area:
             continue
         inside = label == k
-        at_edge = _edge_share(labels == k, observation) > EDGE_SHARE
+        at_edge = view.edge_share(labels == k) > EDGE_SHARE
         if at_edge and not _far_off(deviations[inside].mean(axis=0)):
             continue
         # The skin a pixel stands for reaches half its size beyond its centre.
@@ -80,8 +80,31 @@ def _far_off(mean: FloatArray) -> bool:
     )
 
 
-def _edge_share(area: BoolArray, observation: BodyObservation) -> float:
-    """Returns the share of an area's surroundings that is neither back nor robot."""
-    ring = morphology.dilate(area, 1.5) & ~area
-    outside = ring & ~observation.mask & ~observation.robot_mask
-    return float(outside.sum()) / max(int(ring.sum()), 1)
+class _View:
+    """The window of the image in which the back's points are.
+
+    Attributes:
+        rows: (n,) of the window, in which each point is.
+        columns: (n,) likewise.
+    """
+
+    def __init__(self, observation: BodyObservation) -> None:
+        """Takes the window with the two pixels around it that may matter."""
+        columns, rows = observation.pixels.T
+        top, left = max(int(rows.min()) - 2, 0), max(int(columns.min()) - 2, 0)
+        window = slice(top, int(rows.max()) + 3), slice(left, int(columns.max()) + 3)
+        self.rows, self.columns = rows - top, columns - left
+        self._mask = observation.mask[window]
+        self._robot_mask = observation.robot_mask[window]
+
+    def placed(self, flags: BoolArray) -> BoolArray:
+        """Returns flags (n,) of the points where these are; False elsewhere."""
+        image = np.zeros(self._mask.shape, dtype=bool)
+        image[self.rows, self.columns] = flags
+        return image
+
+    def edge_share(self, area: BoolArray) -> float:
+        """Returns the share of an area's surroundings neither back nor robot."""
+        ring = morphology.dilate(area, 1.5) & ~area
+        outside = ring & ~self._mask & ~self._robot_mask
+        return float(outside.sum()) / max(int(ring.sum()), 1)

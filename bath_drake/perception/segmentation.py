@@ -14,6 +14,7 @@ from bath_drake.perception.canonical import (
     principal_frame,
 )
 from bath_drake.perception.completion import Expectation
+from bath_drake.perception.components import components
 from bath_drake.perception.crop import Crop, crop_to_body
 from bath_drake.perception.pixels import (
     behind_jump,
@@ -235,8 +236,8 @@ def _segment(
     if not pitch > 0.0:
         return nothing, nothing
     # The robot in front of the skin must not cut it in two.
-    stout = morphology.opened(skin, LIMB_SHARE * config.torso_radius / pitch)
     if expected is None:
+        stout = morphology.opened(skin, LIMB_SHARE * config.torso_radius / pitch)
         hidden = _hidden(robot_mask, stout)
     else:
         hidden = robot_mask & expected.mask
@@ -347,15 +348,8 @@ def _with_small_holes(
     mask: BoolArray, solid: BoolArray, max_pixels: float
 ) -> BoolArray:
     """Adds the holes that lie on the surface and are no larger than allowed."""
-    holes = morphology.without_holes(mask) & ~mask
-    if not holes.any():
-        return mask
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(
-        holes.view(np.uint8), connectivity=4
-    )
-    on_surface = np.bincount(labels[solid].astype(np.intp), minlength=len(stats))
-    sizes = stats[:, cv2.CC_STAT_AREA]
+    holes = components(~mask)
+    sizes, on_surface = holes.sizes, holes.counted(solid)
     # A gap between arm and flank shows the room behind: no solid surface there.
-    keep = (sizes <= max_pixels) & (on_surface >= 0.9 * sizes)
-    keep[0] = False
-    return np.asarray(mask | keep[labels])
+    keep = ~holes.at_edge & (sizes <= max_pixels) & (on_surface >= 0.9 * sizes)
+    return holes.painted(keep) | mask

@@ -10,13 +10,12 @@ seated back bends is within a hundredth of N of a rigid motion.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from bath_drake.notation import FloatArray
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.height_field import HeightField
 from bath_drake.perception.registration import BodyPose, register
-from bath_drake.perception.turns import turn_vector
+from bath_drake.perception.turns import turn_matrix, turn_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +104,7 @@ class MapTracker:
             What is known now; None if the frame's surface is not that of the body.
         """
         mean = body.box / body.frames
-        turn = Rotation.from_rotvec(mean[:3]).as_matrix()
+        turn = turn_matrix(mean[:3])
         # Where B must be for its box to be the one that is seen.
         R_WB = seen.R_WP @ turn.T
         outline = BodyPose(R_WB, seen.p_WP - R_WB @ mean[3:6])
@@ -121,7 +120,7 @@ class MapTracker:
             skin = skin.with_points(pose.unbent(points_W))
             frames += 1
             mean = box / frames
-            turn = Rotation.from_rotvec(mean[:3]).as_matrix()
+            turn = turn_matrix(mean[:3])
         followed = CanonicalMap(
             pose.R_WB @ turn, middle + pose.R_WB @ mean[3:6], mean[6:]
         )

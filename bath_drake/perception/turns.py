@@ -16,6 +16,31 @@ def turn_vector(R: FloatArray) -> FloatArray:
     return _turn_vector(np.ascontiguousarray(R, dtype=np.float64))
 
 
+def turn_matrix(turn: FloatArray) -> FloatArray:
+    """Returns the rotation (3, 3) about a vector (3,) by its length, rad."""
+    return _turn_matrix(float(turn[0]), float(turn[1]), float(turn[2]))
+
+
+@njit(cache=True)
+def _turn_matrix(x: float, y: float, z: float) -> FloatArray:
+    """By the unit quaternion; of small angles its sine by a series."""
+    angle2 = x * x + y * y + z * z
+    angle = math.sqrt(angle2)
+    if angle <= 1e-3:
+        angle2 = angle * angle
+        share = 0.5 - angle2 / 48.0 + angle2 * angle2 / 3840.0
+    else:
+        share = math.sin(angle / 2.0) / angle
+    x, y, z, w = share * x, share * y, share * z, math.cos(angle / 2.0)
+    R = np.empty((3, 3))
+    R[0, 0], R[1, 1] = x * x - y * y - z * z + w * w, -x * x + y * y - z * z + w * w
+    R[2, 2] = -x * x - y * y + z * z + w * w
+    R[0, 1], R[1, 0] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
+    R[0, 2], R[2, 0] = 2.0 * (x * z + y * w), 2.0 * (x * z - y * w)
+    R[1, 2], R[2, 1] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
+    return R
+
+
 @njit(cache=True)
 def _turn_vector(R: FloatArray) -> FloatArray:
     """By the unit quaternion's largest part, which no rounding is near to."""

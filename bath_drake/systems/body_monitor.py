@@ -16,11 +16,15 @@ from pydrake.systems.framework import (
 from pydrake.systems.sensors import ImageDepth32F
 
 from bath_drake.notation import FloatArray
-from bath_drake.perception.body_check import BodyCheck, check_body, filled_voxels
+from bath_drake.perception.body_check import (
+    BodyCheck,
+    check_body,
+    filled_voxels,
+    measured_points,
+)
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception.pixels import points_in_world
 from bath_drake.shared import Shared
 from bath_drake.systems._ports import eval_value, eval_vector, set_vector
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S
@@ -126,20 +130,20 @@ class BodyMonitor(LeafSystem):
         if observation.found and eval_vector(self._believed, context)[0] > 0.5:
             found = eval_value(self._map, context, CanonicalMap)
         held: Any = context.get_abstract_state(int(self._sample))
-        depth = held.get_value().depth
-        points = points_in_world(depth, self._rays, self._R_WC, self._p_WC)
-        seen = np.isfinite(points[..., 0])
-        areas = self._pixel * depth**2
-        robot = observation.robot_mask[::_STRIDE, ::_STRIDE]
-        if robot.shape == seen.shape:
-            seen &= ~robot
+        points, areas = measured_points(
+            held.get_value().depth,
+            self._rays,
+            (self._R_WC, self._p_WC),
+            observation.robot_mask[::_STRIDE, ::_STRIDE],
+            self._pixel,
+        )
         back = observation.points_W[:: _STRIDE**2]
         check = check_body(
             last,
             observation.stamp,
             found,
             observation.area,
-            filled_voxels(points[seen], areas[seen], *self._box),
+            filled_voxels(points, areas, *self._box),
             filled_voxels(back, np.ones(len(back)), *self._box),
         )
         state.get_mutable_abstract_state(int(self._state)).set_value(check)
