@@ -131,7 +131,7 @@ def find_nearest(
     """
     height, width = inverse_depth.shape
     fx, fy, cx, cy = lens[0], lens[1], lens[2], lens[3]
-    edges = np.empty((3, 3))
+    edges, greatest = np.empty((3, 3)), 1.0 / nearest
     for face in range(len(triangles)):
         left, right, top, bottom = np.inf, -np.inf, np.inf, -np.inf
         before, behind = 0, 0
@@ -164,7 +164,7 @@ def find_nearest(
             for u in range(u0, u1 + 1):
                 if b0 >= _ON_EDGE and b1 >= _ON_EDGE and b2 >= _ON_EDGE:
                     inverse = b0 + b1 + b2
-                    if inverse_depth[v, u] < inverse < 1.0 / nearest:
+                    if inverse_depth[v, u] < inverse < greatest:
                         inverse_depth[v, u] = inverse
                         faces[v, u] = face
                 b0 += step0
