@@ -8,7 +8,6 @@ import numpy as np
 from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception import morphology
 from bath_drake.perception.canonical import (
-    LEVEL,
     MIN_POINTS,
     edges_by_level,
     principal_frame,
@@ -24,6 +23,7 @@ from bath_drake.perception.pixels import (
     normals_at,
     with_rim,
 )
+from bath_drake.perception.principal import LEVEL
 from bath_drake.perception.quantiles import median
 
 UP_W = np.array([0.0, 0.0, 1.0])
