@@ -163,8 +163,11 @@ def _midline_slope(along: FloatArray, across: FloatArray) -> float:
     low, high = a + (first - i) * (b - a), c + (end - j) * (d - c)
     _, left, right = edges_between(along, across, low, high)
     slopes = _slopes(left, right)
-    # Too short a region has no midline.
-    return float(np.arctan(np.median(slopes))) if len(slopes) > 0 else 0.0
+    count = len(slopes)
+    if count == 0:  # too short a region to have a midline
+        return 0.0
+    a, b = ordered(slopes, np.array([(count - 1) // 2, count // 2]))
+    return float(np.arctan(0.5 * (a + b)))
 
 
 @njit(cache=True)
