@@ -8,31 +8,21 @@ keeps its place relative to the body, whatever the body's size and pose.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.offsets import less
-from bath_drake.perception.quadric import cross
-from bath_drake.perception.quantiles import inner_range, median, trimmed_range
+from bath_drake.perception.principal import (
+    LEVEL_PLANE,
+    ON_A_LINE,
+    edges_between,
+    principal_axes,
+    trimmed_box,
+)
 from bath_drake.shared import Shared
 
 # Fewer points than this carry no extents worth the name.
 MIN_POINTS = 50
-
-# Where the variances along the two in-plane principal axes are within the first
-# ratio their directions are noise and gravity decides; above the second the
-# principal axes alone decide; between the two the angle is blended. Either is but
-# a first guess, which the midline corrects.
-SQUARE_RATIO = 1.15
-OBLONG_RATIO = 1.5
-
-# The midline: levels of this height (metres), the outermost share of the back at
-# either end left out, slopes between levels at least so far apart (metres).
-LEVEL = 0.01
-MIDLINE_TRIM = 0.03
-MIDLINE_SPAN = 0.1
-MIDLINE_ROUNDS = 2
 
 # Rotations that went through files carry some 1e-7 of it.
 _ROUNDING = 1e-6 + 1e-5 * np.eye(3)
@@ -162,11 +152,9 @@ def fit_canonical_map(
     Raises:
         ValueError: If there are too few points or they span no plane.
     """
-    mean, R_WP, offsets = _principal(points_W, up_W, eye_W, weights)
-    p_P = offsets @ R_WP
-    if weights is None:
-        weights = np.ones(len(p_P))
-    low, high = np.array([trimmed_range(p_P[:, k], weights, trim) for k in (0, 1)]).T
+    points, shares = _weighted(points_W, weights)
+    mean, R_WP = _principal(points, shares, up_W, eye_W)
+    low, high = trimmed_box(points, shares, mean, R_WP, trim)
     centre = np.append((low + high) / 2.0, 0.0)
     return CanonicalMap(R_WP, mean + R_WP @ centre, (high - low) / 2.0)
 
@@ -187,56 +175,35 @@ def principal_frame(
 
     Arguments and errors are those of `fit_canonical_map`.
     """
-    mean, R_WP, _ = _principal(points_W, up_W, eye_W, weights)
-    return mean, R_WP
+    return _principal(*_weighted(points_W, weights), up_W, eye_W)
+
+
+def _weighted(
+    points_W: FloatArray, weights: FloatArray | None
+) -> tuple[FloatArray, FloatArray]:
+    """Returns points (n, 3) and weights (n,) as kernels take them."""
+    if weights is None:
+        weights = np.ones(len(points_W))
+    # numba compiles anew for read-only arrays: plain copies.
+    points = np.array(points_W, dtype=np.float64, order="C")
+    return points, np.array(weights, dtype=np.float64, order="C")
 
 
 def _principal(
-    points_W: FloatArray,
-    up_W: FloatArray,
-    eye_W: FloatArray,
-    weights: FloatArray | None,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The `principal_frame`, and the points (n, 3) less their mean."""
-    points_W = np.asarray(points_W, dtype=np.float64)
+    points_W: FloatArray, weights: FloatArray, up_W: FloatArray, eye_W: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     if points_W.ndim != 2 or points_W.shape[1] != 3 or len(points_W) < MIN_POINTS:
         raise ValueError(
             f"at least {MIN_POINTS} points of shape (3,) are needed, "
             f"got shape {points_W.shape}"
         )
-    if weights is None:
-        weights = np.ones(len(points_W))
-    weights = weights / np.sum(weights)
-    mean = weights @ points_W
-    offsets, weighted = _scaled_offsets(_contiguous(points_W), mean, weights)
-    variances, axes = np.linalg.eigh(weighted.T @ offsets)
-    if not variances[1] > 1e-8:
+    up, eye = np.array(up_W, dtype=np.float64), np.array(eye_W, dtype=np.float64)
+    status, mean, R_WP = principal_axes(points_W, weights, up, eye)
+    if status == ON_A_LINE:
         raise ValueError("the points lie on a line: they span no plane")
-    z = np.ascontiguousarray(axes[:, 0])
-    z = z if z @ (np.asarray(eye_W, dtype=np.float64) - mean) >= 0.0 else -z
-    y = _up_axis(axes[:, 2], variances[2] / variances[1], z, up_W)
-    for _ in range(MIDLINE_ROUNDS):
-        x = cross(y, z)
-        angle = _midline_slope(offsets @ y, offsets @ x)
-        y = np.cos(angle) * y + np.sin(angle) * x
-    return mean, np.column_stack([cross(y, z), y, z]), offsets
-
-
-def _contiguous(values: FloatArray) -> FloatArray:
-    return np.ascontiguousarray(values, dtype=np.float64)
-
-
-@njit(cache=True)
-def _scaled_offsets(
-    points: FloatArray, mean: FloatArray, weights: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Returns (n, 3) points less (3,) their mean, and these times (n,) weights."""
-    offsets, weighted = np.empty(points.shape), np.empty(points.shape)
-    for i in range(len(points)):
-        for k in range(3):
-            offsets[i, k] = points[i, k] - mean[k]
-            weighted[i, k] = offsets[i, k] * weights[i]
-    return offsets, weighted
+    if status == LEVEL_PLANE:
+        raise ValueError("the back's plane is level: up has no direction in it")
+    return mean, R_WP
 
 
 def edges_by_level(
@@ -253,73 +220,7 @@ def edges_by_level(
         and the left and right edges (m,) of the levels; of one without points they
         are +inf and -inf.
     """
-    level, left, right = _edges(
-        _contiguous(along), _contiguous(across), -np.inf, np.inf
-    )
+    along = np.ascontiguousarray(along, dtype=np.float64)
+    across = np.ascontiguousarray(across, dtype=np.float64)
+    level, left, right = edges_between(along, across, -np.inf, np.inf)
     return level, left, right
-
-
-@njit(cache=True)
-def _edges(
-    along: FloatArray, across: FloatArray, low: float, high: float
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The `edges_by_level` of the points from `low` to `high`; -1 for the others."""
-    least, greatest = np.inf, -np.inf
-    for a in along:
-        if low <= a <= high:
-            least, greatest = min(least, a), max(greatest, a)
-    count = int((greatest - least) / LEVEL) + 1 if greatest >= least else 0
-    level = np.full(len(along), -1, dtype=np.int64)
-    left, right = np.full(count, np.inf), np.full(count, -np.inf)
-    for i in range(len(along)):
-        if low <= along[i] <= high:
-            k = int((along[i] - least) / LEVEL)
-            level[i] = k
-            left[k], right[k] = min(left[k], across[i]), max(right[k], across[i])
-    return level, left, right
-
-
-def _midline_slope(along: FloatArray, across: FloatArray) -> float:
-    """Returns the angle of the midline to the `along` axis, towards `across`."""
-    low, high = inner_range(along, MIDLINE_TRIM)
-    _, left, right = _edges(along, across, low, high)
-    slopes = _slopes(left, right)
-    if len(slopes) == 0:  # too short a region to have a midline
-        return 0.0
-    return float(np.arctan(median(slopes)))
-
-
-@njit(cache=True)
-def _slopes(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Returns the slope of the midline between all levels that are far apart."""
-    count = len(left)
-    slopes = np.empty(count * count)
-    found = 0
-    for i in range(count):
-        for j in range(i + 1, count):
-            apart = (j - i) * LEVEL
-            if apart >= MIDLINE_SPAN and right[i] > left[i] and right[j] > left[j]:
-                rise = (left[j] + right[j]) / 2.0 - (left[i] + right[i]) / 2.0
-                slopes[found] = rise / apart
-                found += 1
-    return slopes[:found].copy()
-
-
-def _up_axis(
-    major: FloatArray, ratio: float, normal: FloatArray, up_W: FloatArray
-) -> FloatArray:
-    """Chooses the in-plane y axis; `ratio` is that of the two variances."""
-    up = np.asarray(up_W, dtype=np.float64)
-    up = up - (up @ normal) * normal
-    length = np.linalg.norm(up)
-    if not length > 1e-6:
-        raise ValueError("the back's plane is level: up has no direction in it")
-    up /= length
-    right = cross(up, normal)
-    # Angle from up to the major axis; axes are lines and come in a cross, so the
-    # nearest arm of the cross is within 45 degrees.
-    angle = np.arctan2(major @ -right, major @ up)
-    angle = (angle + np.pi / 4.0) % (np.pi / 2.0) - np.pi / 4.0
-    share = np.clip((ratio - SQUARE_RATIO) / (OBLONG_RATIO - SQUARE_RATIO), 0, 1)
-    angle *= share * share * (3.0 - 2.0 * share)
-    return np.asarray(np.cos(angle) * up - np.sin(angle) * right)

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
+from bath_drake.perception import morphology
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.pixels import pixel_area
 
@@ -39,6 +40,15 @@ class Crop:
         whole = np.zeros(shape, dtype=bool)
         whole[self.window] = mask
         return whole
+
+    def closed(self, mask: BoolArray, radius: float) -> BoolArray:
+        """Returns a window's mask, its gaps closed by discs that may be beside it."""
+        reach = int(np.ceil(radius)) + 1
+        top, bottom, left, right = (min(spare, reach) for spare in self.spare)
+        rows, columns = mask.shape
+        padded = np.pad(mask, ((top, bottom), (left, right)))
+        closed = morphology.closed(padded, radius)
+        return closed[top : top + rows, left : left + columns]
 
 
 def crop_to_body(

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from bath_drake.notation import FloatArray
@@ -86,25 +85,10 @@ def with_frame(
     # A copy: the image is the camera's, who may write the next one into it.
     image = np.array(depth, dtype=np.float32, order="C")
     bits = image.view(np.int32)
-    before = check.bits
-    if before is None or before.shape != bits.shape:
-        before = ~bits
-    invalid, changed = _count(image, bits, before)
+    # NaN is neither.
+    valid = np.count_nonzero((image > 0.0) & (image < np.inf))
+    same = check.bits is not None and np.array_equal(bits, check.bits)
     bits.setflags(write=False)
-    repeats = 0 if changed else check.repeats + 1
+    repeats = check.repeats + 1 if same else 0
+    invalid = image.size - valid
     return FrameCheck(stamp, invalid / image.size, repeats, False, bits)
-
-
-@njit(cache=True)
-def _count(
-    depth: NDArray[np.float32], bits: NDArray[np.int32], before: NDArray[np.int32]
-) -> tuple[int, int]:
-    """How many pixels say nothing, and how many differ from those before."""
-    invalid = changed = 0
-    for v in range(depth.shape[0]):
-        for u in range(depth.shape[1]):
-            z = depth[v, u]
-            # NaN is neither.
-            invalid += not (z > 0.0 and z < np.inf)
-            changed += bits[v, u] != before[v, u]
-    return invalid, changed

@@ -18,24 +18,14 @@ def median(values: FloatArray) -> float:
     return float(0.5 * (parted[:half].max() + parted[half]))
 
 
-def inner_range(values: FloatArray, share: float) -> tuple[float, float]:
-    """Returns the quantiles of `share` and one minus it, as numpy has them.
+@njit(cache=True)
+def ordered(values: FloatArray, places: IntArray) -> FloatArray:
+    """Returns what stands at each of some places once the values are in order.
 
     Args:
         values: (n,) finite, n > 0.
-        share: Of the values that is left out at either end.
+        places: (m,) from 0 to n - 1.
     """
-    last = len(values) - 1
-    low, high = share * last, (1.0 - share) * last
-    i, j = int(low), int(high)
-    places = np.array([i, min(i + 1, last), j, min(j + 1, last)])
-    a, b, c, d = _in_order(np.ascontiguousarray(values), places).tolist()
-    return a + (low - i) * (b - a), c + (high - j) * (d - c)
-
-
-@njit(cache=True)
-def _in_order(values: FloatArray, places: IntArray) -> FloatArray:
-    """Returns what stands at each of some places once the values are in order."""
     low, high = values.min(), values.max()
     found = np.full(len(places), low)
     if not high > low:
@@ -53,7 +43,9 @@ def _in_order(values: FloatArray, places: IntArray) -> FloatArray:
             before += counts[k]
             k += 1
         if k != last:
-            last, inside = k, np.sort(values[bins == k])
+            inside = values[np.flatnonzero(bins == k)]
+            # Not sort: the order of a tail is asked for too, and one compiles sooner.
+            last, inside = k, inside[np.argsort(inside)]
         found[p] = inside[places[p] - before]
     return found
 
@@ -68,12 +60,13 @@ def trimmed_range(
         weights: (n,) not negative, of any sum but none.
         trim: Of the weight that is left out at either end.
     """
-    weights = np.ascontiguousarray(weights / np.sum(weights))
-    low = _low_quantile(np.array(values), weights, trim)
-    return low, -_low_quantile(-values, weights, trim)
+    shares = np.ascontiguousarray(weights / np.sum(weights))
+    low = low_quantile(np.array(values), shares, trim)
+    return low, -low_quantile(-values, shares, trim)
 
 
-def _low_quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
+@njit(cache=True)
+def low_quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
     """Returns the weighted quantile; only the values up to it are put in order.
 
     Args:
@@ -85,10 +78,18 @@ def _low_quantile(values: FloatArray, weights: FloatArray, share: float) -> floa
     if not highest > lowest:
         return float(lowest)
     tail = _tail(values, weights, share, lowest, BINS / (highest - lowest))
-    order: IntArray = tail[np.argsort(values[tail])]
+    order = tail[np.argsort(values[tail])]
     # Each point's weight is centred on it, so equal weights give the usual ones.
-    centred = np.cumsum(weights[order]) - 0.5 * weights[order]
-    return float(np.interp(share, centred, values[order]))
+    before, last, at_last = 0.0, values[order[0]], -np.inf
+    for k in order:
+        at = before + 0.5 * weights[k]
+        if at >= share:
+            if at_last == -np.inf:
+                return float(values[k])
+            way = (values[k] - last) / (at - at_last)
+            return float(last + way * (share - at_last))
+        before, last, at_last = before + weights[k], values[k], at
+    return float(last)
 
 
 @njit(cache=True)

@@ -8,7 +8,6 @@ import numpy as np
 from bath_drake.notation import BoolArray, ByteArray, FloatArray
 from bath_drake.perception import morphology
 from bath_drake.perception.canonical import (
-    LEVEL,
     MIN_POINTS,
     edges_by_level,
     principal_frame,
@@ -24,6 +23,7 @@ from bath_drake.perception.pixels import (
     normals_at,
     with_rim,
 )
+from bath_drake.perception.principal import LEVEL
 from bath_drake.perception.quantiles import median
 
 UP_W = np.array([0.0, 0.0, 1.0])
@@ -242,7 +242,7 @@ def _segment(
     else:
         hidden = robot_mask & expected.mask
     skin = skin | hidden
-    skin = skin | (_closed(crop, skin, config.gap_radius / pitch) & solid)
+    skin = skin | (crop.closed(skin, config.gap_radius / pitch) & solid)
     skin = _with_small_holes(skin, solid, config.hole_area / pitch**2)
     # A pixel that the sensor lost must not keep a disc of fifty out.
     skin = morphology.without_specks(skin, SPECK)
@@ -257,16 +257,6 @@ def _segment(
     if expected is None:
         hidden = _hidden(robot_mask, visible)
     return visible, visible | hidden
-
-
-def _closed(crop: Crop, mask: BoolArray, radius: float) -> BoolArray:
-    """The mask with its gaps closed by discs that may stand beside the window."""
-    reach = int(np.ceil(radius)) + 1
-    top, bottom, left, right = (min(spare, reach) for spare in crop.spare)
-    rows, columns = mask.shape
-    padded = np.pad(mask, ((top, bottom), (left, right)))
-    closed = morphology.closed(padded, radius)
-    return closed[top : top + rows, left : left + columns]
 
 
 def _hidden(robot_mask: BoolArray, visible: BoolArray) -> BoolArray:

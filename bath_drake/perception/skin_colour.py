@@ -46,11 +46,10 @@ def skin_deviations(observation: BodyObservation) -> FloatArray:
     if n < MIN_POINTS:
         return np.zeros((n, 3))
     # Of order one, so that the normal equations are well conditioned.
-    x, y, value, smooth = _prepared(
+    x, y, off = _prepared(
         np.ascontiguousarray(observation.pixels),
         np.ascontiguousarray(observation.colours),
     )
-    off = _with_ratios(value, np.log(np.maximum(smooth, LEAST_COLOUR)))
     usual = np.array([DARK_SHARE, 1.0, 1.0]) * _medians(off)
     skin = _near_usual(off, usual, 2.0 * OFF_COLOUR)
     deviations = np.zeros((n, 3))
@@ -141,12 +140,13 @@ def _quiet(deviations: FloatArray, most: float) -> int:
 @njit(cache=True)
 def _prepared(
     pixels: IntArray, colours: ByteArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Returns what is fitted, of pixels (n, 2), columns and rows.
 
     Returns:
-        (n,) columns and rows from their means, in hundreds of pixels; the largest of
-        each colour (n,); its mean (n, 3) over the neighbours that are points too.
+        (n,) columns and rows from their means, in hundreds of pixels; (n, 3) the
+        largest of each colour, and the logarithms of red over green and green over
+        blue, of means over the neighbours that are points too.
     """
     count = len(pixels)
     left, top = pixels[0, 0], pixels[0, 1]
@@ -158,14 +158,13 @@ def _prepared(
         column_sum += u
         row_sum += v
     index = np.full((bottom - top + 3, right - left + 3), -1, dtype=np.int32)
-    x, y, value = np.empty(count), np.empty(count), np.empty(count)
+    x, y, off = np.empty(count), np.empty(count), np.empty((count, 3))
     for i in range(count):
         u, v = pixels[i, 0], pixels[i, 1]
         index[v - top + 1, u - left + 1] = i
         x[i] = (u - column_sum / count) / 100.0
         y[i] = (v - row_sum / count) / 100.0
-        value[i] = max(colours[i, 0], colours[i, 1], colours[i, 2])
-    means = np.empty((count, 3))
+        off[i, 0] = max(colours[i, 0], colours[i, 1], colours[i, 2])
     for i in range(count):
         u, v = pixels[i, 0] - left, pixels[i, 1] - top
         near, red, green, blue = 0, 0, 0, 0
@@ -177,19 +176,10 @@ def _prepared(
                     red += int(colours[j, 0])
                     green += int(colours[j, 1])
                     blue += int(colours[j, 2])
-        means[i, 0], means[i, 1] = red / near, green / near
-        means[i, 2] = blue / near
-    return x, y, value, means
-
-
-@njit(cache=True)
-def _with_ratios(value: FloatArray, logs: FloatArray) -> FloatArray:
-    """Returns (n, 3) values, red over green and green over blue as logarithms."""
-    off = np.empty(logs.shape)
-    for i in range(len(value)):
-        off[i, 0] = value[i]
-        off[i, 1], off[i, 2] = logs[i, 0] - logs[i, 1], logs[i, 1] - logs[i, 2]
-    return off
+        more_red = max(red / near, LEAST_COLOUR) / max(green / near, LEAST_COLOUR)
+        more_green = max(green / near, LEAST_COLOUR) / max(blue / near, LEAST_COLOUR)
+        off[i, 1], off[i, 2] = np.log(more_red), np.log(more_green)
+    return x, y, off
 
 
 @njit(cache=True)

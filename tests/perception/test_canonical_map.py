@@ -6,8 +6,11 @@ from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import (
     CanonicalMap,
     apply_homography,
+    edges_by_level,
     fit_canonical_map,
+    principal_frame,
 )
+from bath_drake.perception.quantiles import trimmed_range
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -161,3 +164,51 @@ def test_impossible_maps_are_refused(name, value):
     good = {"R_WP": np.eye(3), "p_WP": np.zeros(3), "half_extents": np.ones(2)}
     with pytest.raises(ValueError, match=name):
         CanonicalMap(**{**good, name: value})
+
+
+def _plain_frame(points, weights, eye):
+    """The principal frame in lines of numpy."""
+    weights = weights / weights.sum()
+    mean = weights @ points
+    offsets = points - mean
+    variances, axes = np.linalg.eigh((offsets * weights[:, None]).T @ offsets)
+    z = axes[:, 0] * np.sign(axes[:, 0] @ (eye - mean))
+    up = UP - (UP @ z) * z
+    up /= np.linalg.norm(up)
+    right = np.cross(up, z)
+    angle = np.arctan2(-axes[:, 2] @ right, axes[:, 2] @ up)
+    angle = (angle + np.pi / 4) % (np.pi / 2) - np.pi / 4
+    share = np.clip((variances[2] / variances[1] - 1.15) / 0.35, 0.0, 1.0)
+    angle *= share**2 * (3.0 - 2.0 * share)
+    y = np.cos(angle) * up - np.sin(angle) * right
+    for _ in range(2):
+        x = np.cross(y, z)
+        along, across = offsets @ y, offsets @ x
+        low, high = np.quantile(along, [0.03, 0.97])
+        inner = (along >= low) & (along <= high)
+        _, left, right = edges_by_level(along[inner], across[inner])
+        middle = np.where(right > left, (left + right) / 2.0, np.nan)
+        i, j = np.triu_indices(len(middle), 1)
+        slopes = (middle[j] - middle[i]) / (0.01 * (j - i))
+        slopes = slopes[np.isfinite(slopes) & (0.01 * (j - i) >= 0.1)]
+        angle = np.arctan(np.median(slopes))
+        y = np.cos(angle) * y + np.sin(angle) * x
+    return mean, np.column_stack([np.cross(y, z), y, z])
+
+
+@pytest.mark.parametrize("half", [(0.17, 0.25), (0.2, 0.22), (0.15, 0.3)])
+@pytest.mark.parametrize("turn", [-0.2, 0.0, 0.1])
+def test_the_compiled_frame_is_numpys_but_for_rounding(rng, half, turn):
+    points, eye = _back(rng, half, turn), np.array([0.1, -1.4, 1.2])
+    weights = rng.uniform(0.5, 1.5, len(points))
+    mean, R_WP = principal_frame(points, UP, eye, weights)
+    expected_mean, expected = _plain_frame(points, weights, eye)
+    # Sums of 20 000 numbers of order one, in another order.
+    np.testing.assert_allclose(mean, expected_mean, atol=1e-12)
+    np.testing.assert_allclose(R_WP, expected, atol=1e-12)
+    found = fit_canonical_map(points, UP, eye, weights)
+    p_P = (points - mean) @ R_WP
+    ends = np.array([trimmed_range(p_P[:, k], weights, 0.01) for k in (0, 1)])
+    np.testing.assert_allclose(
+        found.half_extents, (ends[:, 1] - ends[:, 0]) / 2.0, atol=1e-12
+    )
