@@ -1,9 +1,7 @@
 """Colour, depth and labels of a scene of coloured surfaces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import reduce
-from operator import add
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +9,8 @@ from numpy.typing import NDArray
 from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.rendering._kernels import colour_in, find_nearest, place
-from bath_drake.rendering.normals import vertex_normals
-from bath_drake.rendering.solids import Shape, subdivided
+from bath_drake.rendering.solids import subdivided
+from bath_drake.rendering.surfaces import Surface, Surfaces
 
 # Light is worked out at vertices: what stands still gets as many as it takes, m.
 _LONGEST_EDGE_M = 0.15
@@ -23,23 +21,6 @@ _SHADES = np.rint(255.0 * np.linspace(0.0, 1.0, 1025) ** (2.0 / _GAMMA)).astype(
 )
 # As Drake labels what is no geometry.
 NOTHING = 32766
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """A mesh of one colour.
-
-    Attributes:
-        shape: In the surface's own frame G, m.
-        rgb: (3,) 0 to 1.
-        label: In the label image.
-        roughness: Of its gloss, 0 to 1.
-    """
-
-    shape: Shape
-    rgb: FloatArray
-    label: int
-    roughness: float = 0.5
 
 
 @dataclass(frozen=True)
@@ -115,7 +96,7 @@ class Rasteriser:
         self._X_CW: FloatArray = np.linalg.inv(X_WC).astype(np.float64)
         self._lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
         self._lights_C = _lights_in_camera(lights, self._X_CW[:3, :3])
-        self._moving = _Drawn(moving)
+        self._moving = Surfaces.of(moving)
         self._behind = Picture(
             np.empty((*camera.shape, 4), dtype=np.uint8),
             np.full(camera.shape, np.inf, dtype=np.float32),
@@ -126,11 +107,8 @@ class Rasteriser:
         # Written before every use: they remember nothing.
         self._scratch = np.empty(camera.shape)
         self._faces = np.empty(camera.shape, dtype=np.int32)
-        fine = [
-            Surface(subdivided(s.shape, _LONGEST_EDGE_M), s.rgb, s.label, s.roughness)
-            for s in still
-        ]
-        standing = _Drawn(fine)
+        fine = [replace(s, shape=subdivided(s.shape, _LONGEST_EDGE_M)) for s in still]
+        standing = Surfaces.of(fine)
         poses = np.broadcast_to(np.eye(4)[:3], (len(fine), 3, 4))
         self._draw(standing, poses, self._inverse_depth, self._behind)
 
@@ -156,7 +134,7 @@ class Rasteriser:
 
     def _draw(
         self,
-        drawn: "_Drawn",
+        drawn: Surfaces,
         X_WG: FloatArray,
         inverse_depth: FloatArray,
         picture: Picture,
@@ -205,63 +183,6 @@ class Rasteriser:
             picture.label,
             self._told,
         )
-
-
-class _Drawn:
-    """Many surfaces in one array of each kind."""
-
-    def __init__(self, surfaces: Sequence[Surface]) -> None:
-        nothing = Shape(
-            np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
-        )
-        for surface in surfaces:
-            _check(surface)
-        whole = reduce(add, (s.shape for s in surfaces), nothing)
-        counts = [len(s.shape.vertices) for s in surfaces]
-        self.vertices, self.normals = whole.vertices, whole.normals
-        self.triangles = whole.triangles
-        self.owner = np.repeat(np.arange(len(surfaces)), counts)
-        self.rgb = np.array([s.rgb for s in surfaces], dtype=np.float64).reshape(-1, 3)
-        self.labels = np.array([s.label for s in surfaces], dtype=np.int64)
-        self.roughness = np.array([s.roughness for s in surfaces], dtype=np.float64)
-        self._starts = np.cumsum([0, *counts])
-        self._shapes = [s.shape for s in surfaces]
-
-    def bent(self, vertices: Mapping[int, FloatArray]) -> "_Drawn":
-        """The same surfaces, some with other vertices."""
-        other = object.__new__(_Drawn)
-        other.__dict__.update(self.__dict__)
-        other.vertices, other.normals = self.vertices.copy(), self.normals.copy()
-        for index, points in vertices.items():
-            shape = self._shapes[index]
-            if points.shape != shape.vertices.shape:
-                raise ValueError(
-                    f"surface {index}: found vertices {points.shape}, allowed "
-                    f"{shape.vertices.shape}"
-                )
-            part = slice(self._starts[index], self._starts[index + 1])
-            other.vertices[part] = points
-            other.normals[part] = vertex_normals(points, shape.triangles, True)
-        return other
-
-
-def _check(surface: Surface) -> None:
-    shape, rgb = surface.shape, np.asarray(surface.rgb)
-    n = len(shape.vertices)
-    if shape.vertices.shape != (n, 3) or shape.normals.shape != (n, 3):
-        raise ValueError(
-            f"vertices and normals must be (n, 3), got {shape.vertices.shape} and "
-            f"{shape.normals.shape}"
-        )
-    if not (np.isfinite(shape.vertices).all() and np.isfinite(shape.normals).all()):
-        raise ValueError("vertices and normals must be finite")
-    low, high = shape.triangles.min(initial=0), shape.triangles.max(initial=-1)
-    if low < 0 or high >= n:
-        raise ValueError(f"triangles must be 0 to {n - 1}, got {low} to {high}")
-    if rgb.shape != (3,) or not ((rgb >= 0.0) & (rgb <= 1.0)).all():
-        raise ValueError(f"rgb must be three of 0 to 1, got {rgb}")
-    if not 0.0 < surface.roughness <= 1.0:
-        raise ValueError(f"roughness must be in (0, 1], got {surface.roughness}")
 
 
 def _lights_in_camera(lights: Sequence[Light], R_CW: FloatArray) -> FloatArray:

@@ -29,7 +29,6 @@ from bath_drake.patient.gltf import read_part
 from bath_drake.patient.skin_parts import SkinPart
 from bath_drake.rendering.normals import vertex_normals
 from bath_drake.rendering.obj import obj_shape
-from bath_drake.rendering.rasteriser import Surface
 from bath_drake.rendering.solids import (
     Shape,
     box,
@@ -38,6 +37,7 @@ from bath_drake.rendering.solids import (
     ellipsoid,
     faceted,
 )
+from bath_drake.rendering.surfaces import Surface
 
 # Of spheres and round ends: as round as a pixel tells.
 _ROUND = {"around": 32, "rings": 17}

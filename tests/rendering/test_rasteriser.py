@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from bath_drake.perception.camera import PinholeCamera
-from bath_drake.rendering.rasteriser import NOTHING, Light, Rasteriser, Surface
+from bath_drake.rendering.rasteriser import NOTHING, Light, Rasteriser
 from bath_drake.rendering.solids import Shape, box, ellipsoid, faceted
+from bath_drake.rendering.surfaces import Surface
 
 CAMERA = PinholeCamera(60, 40, 50.0, 48.0, 29.3, 20.6)
 NEAR, FAR = 0.1, 20.0
@@ -181,23 +182,26 @@ def test_a_surface_of_no_light_is_black_and_the_rest_is_background():
 BALL = ellipsoid([0.0, 0.0, 2.0], [0.3, 0.3, 0.3])
 
 
-def ball(*, vertices=BALL.vertices, normals=BALL.normals, rgb=GREY, roughness=0.5):
-    return Surface(Shape(vertices, normals, BALL.triangles), rgb, 1, roughness)
-
-
 @pytest.mark.parametrize(
-    ("surface", "told"),
+    ("changed", "told"),
     [
-        (ball(rgb=np.array([0.5, 0.5, 1.5])), "rgb"),
-        (ball(roughness=0.0), "roughness"),
-        (ball(vertices=BALL.vertices[1:], normals=BALL.normals[1:]), "triangles"),
-        (ball(normals=BALL.normals[1:]), "normals"),
-        (ball(vertices=BALL.vertices * np.nan), "finite"),
+        ({"rgb": np.array([0.5, 0.5, 1.5])}, "rgb"),
+        ({"roughness": 0.0}, "roughness"),
+        ({"vertices": BALL.vertices[1:], "normals": BALL.normals[1:]}, "triangles"),
+        ({"normals": BALL.normals[1:]}, "normals"),
+        ({"vertices": BALL.vertices * np.nan}, "finite"),
     ],
 )
-def test_an_unsound_surface_is_refused(surface, told):
+def test_an_unsound_surface_is_refused(changed, told):
+    sound = {"vertices": BALL.vertices, "normals": BALL.normals, "rgb": GREY}
+    values = sound | {"roughness": 0.5} | changed
     with pytest.raises(ValueError, match=told):
-        rasteriser(moving=[surface])
+        Surface(
+            Shape(values["vertices"], values["normals"], BALL.triangles),
+            values["rgb"],
+            1,
+            values["roughness"],
+        )
 
 
 def test_a_camera_that_sees_nothing_is_refused():
