@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from bath_drake.notation import ByteArray, FloatArray, IntArray
+from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
 
 # A shared edge is nobody's gap: in double precision a pixel on it may come out just
 # beside both of its triangles.
@@ -83,11 +83,11 @@ def place(
 @njit(cache=True)
 def _edges(
     points_C: FloatArray, triangles: IntArray, face: int, edges: FloatArray
-) -> bool:
+) -> float:
     """Writes (3, 3): by ray (x, y, 1), each corner's share in 1 / depth.
 
-    Homogeneous: a triangle that reaches behind the camera needs no cutting. False if
-    the triangle is seen from its edge.
+    Homogeneous: a triangle that reaches behind the camera needs no cutting. Returns
+    what is negative of one that is seen from before, zero from its edge.
     """
     for k in range(3):
         a, b = triangles[face, (k + 1) % 3], triangles[face, (k + 2) % 3]
@@ -100,12 +100,12 @@ def _edges(
     for i in range(3):
         volume += points_C[first, i] * edges[0, i]
     if abs(volume) < 1e-15:
-        return False
+        return 0.0
     scale = 1.0 / volume
     for k in range(3):
         for i in range(3):
             edges[k, i] *= scale
-    return True
+    return volume
 
 
 @njit(cache=True)
@@ -113,6 +113,7 @@ def find_nearest(
     points_C: FloatArray,
     pixels: FloatArray,
     triangles: IntArray,
+    one_sided: BoolArray,
     lens: FloatArray,
     nearest: float,
     inverse_depth: FloatArray,
@@ -124,6 +125,7 @@ def find_nearest(
         points_C: (n, 3) m.
         pixels: (n, 2) as `place` writes them.
         triangles: (m, 3) indices.
+        one_sided: (m,) whether a triangle is not seen from behind.
         lens: fx, fy, cx, cy, pixels.
         nearest: Depth before which nothing is seen, m.
         inverse_depth: (H, W) 1/m of what is there already; is brought up to date.
@@ -152,7 +154,10 @@ def find_nearest(
             continue
         u0, u1 = max(0, int(np.ceil(left - 1e-9))), min(width - 1, int(right + 1e-9))
         v0, v1 = max(0, int(np.ceil(top - 1e-9))), min(height - 1, int(bottom + 1e-9))
-        if u0 > u1 or v0 > v1 or not _edges(points_C, triangles, face, edges):
+        if u0 > u1 or v0 > v1:
+            continue
+        volume = _edges(points_C, triangles, face, edges)
+        if volume == 0.0 or (one_sided[face] and volume > 0.0):
             continue
         x = (u0 + 0.5 - cx) / fx
         step0, step1, step2 = edges[0, 0] / fx, edges[1, 0] / fx, edges[2, 0] / fx

@@ -163,6 +163,7 @@ class Rasteriser:
             points_C,
             pixels,
             drawn.triangles,
+            drawn.one_sided,
             self._lens,
             self._near,
             inverse_depth,

@@ -121,6 +121,19 @@ def faceted(vertices: FloatArray, triangles: IntArray) -> Shape:
     return Shape(corners.reshape(-1, 3), np.repeat(flat, 3, axis=0), own)
 
 
+def is_solid(shape: Shape) -> bool:
+    """Returns whether a mesh is closed and its triangles counter-clockwise outside."""
+    places, corners = np.unique(shape.vertices.round(9), axis=0, return_inverse=True)
+    triangles = corners.reshape(-1)[shape.triangles]
+    a, b, c = triangles.T
+    there = np.concatenate([a, b, c]) * len(places) + np.concatenate([b, c, a])
+    back = np.concatenate([b, c, a]) * len(places) + np.concatenate([a, b, c])
+    p, q, r = (places[k] for k in (a, b, c))
+    volume = (np.cross(p, q) * r).sum()
+    # Each edge once in either direction.
+    return bool(volume > 0.0 and np.array_equal(np.sort(there), np.sort(back)))
+
+
 def subdivided(shape: Shape, longest: float) -> Shape:
     """Returns the same mesh, no edge longer than `longest`, m, which is positive."""
     while True:

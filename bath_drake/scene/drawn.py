@@ -1,7 +1,7 @@
 """What a SceneGraph shows to cameras, as surfaces for our own rasteriser."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,6 @@ from pydrake.math import RigidTransform
 
 from bath_drake.errors import ScenarioError
 from bath_drake.files import read_bytes
-from bath_drake.notation import FloatArray
 from bath_drake.patient.gltf import read_part
 from bath_drake.patient.skin_parts import SkinPart
 from bath_drake.rendering.normals import vertex_normals
@@ -36,6 +35,7 @@ from bath_drake.rendering.solids import (
     cylinder,
     ellipsoid,
     faceted,
+    is_solid,
 )
 from bath_drake.rendering.surfaces import Surface
 
@@ -96,22 +96,22 @@ def drawing(
             points = part.shell.moments.sum(axis=1)[: len(part.shell) // 2]
             normals = vertex_normals(points, part.triangles, True)
             shape = Shape(points, normals, part.triangles)
-            moving[geometry] = Surface(shape, part.rgba[:3], shown)
+            moving[geometry] = Surface(shape, part.rgba[:3], shown, one_sided=True)
             continue
-        shape, rgb, roughness = _look(inspector, geometry)
+        surface = _surface(inspector, geometry, shown)
         if inspector.GetFrameId(geometry) == inspector.world_frame_id():
-            shape = _posed(shape, inspector.GetPoseInFrame(geometry))
-            still.append(Surface(shape, rgb, shown, roughness))
+            X_WG = inspector.GetPoseInFrame(geometry)
+            still.append(replace(surface, shape=_posed(surface.shape, X_WG)))
         else:
-            moving[geometry] = Surface(shape, rgb, shown, roughness)
+            moving[geometry] = surface
     bending = frozenset(k for k, geometry in enumerate(moving) if geometry in skin)
     return Drawing(tuple(still), tuple(moving.values()), tuple(moving), bending)
 
 
-def _look(
-    inspector: SceneGraphInspector, geometry: GeometryId
-) -> tuple[Shape, FloatArray, float]:
-    """Shape, colour and roughness of a rigid geometry."""
+def _surface(
+    inspector: SceneGraphInspector, geometry: GeometryId, label: int
+) -> Surface:
+    """A rigid geometry, in its own frame."""
     name, shape = inspector.GetName(geometry), inspector.GetShape(geometry)
     rgba = _property(inspector, geometry, "phong", "diffuse")
     if isinstance(shape, Mesh) and shape.extension() == ".gltf":
@@ -120,14 +120,16 @@ def _look(
         part = read_part(Path(shape.source().path()))
         normals = vertex_normals(part.vertices, part.triangles, True)
         mesh = Shape(part.vertices * shape.scale3(), normals, part.triangles)
-        return mesh, part.rgba[:3], _GLTF_ROUGHNESS
+        # Such a part alone is open, but the others close the body.
+        return Surface(mesh, part.rgba[:3], label, _GLTF_ROUGHNESS, one_sided=True)
     if _property(inspector, geometry, "phong", "diffuse_map") is not None:
         raise ScenarioError(f"{name}: found a diffuse_map, {_ALLOWED}")
     if rgba is None and isinstance(shape, Mesh) and "mtllib" in _text(shape):
         raise ScenarioError(f"{name}: found materials in a file, {_ALLOWED}")
     rgba = _COLOUR if rgba is None else rgba
     colour = np.array([rgba.r(), rgba.g(), rgba.b()])
-    return _rigid_shape(name, shape), colour, _ROUGHNESS
+    solid = _rigid_shape(name, shape)
+    return Surface(solid, colour, label, _ROUGHNESS, one_sided=is_solid(solid))
 
 
 def _rigid_shape(name: str, shape: DrakeShape) -> Shape:

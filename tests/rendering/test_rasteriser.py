@@ -151,6 +151,16 @@ def test_a_bent_surface_is_drawn_with_its_vertices_of_now():
         drawn.picture(still_poses(1), {0: points[1:]})
 
 
+def test_one_that_is_one_sided_is_seen_from_before_alone():
+    before = [[[-1, -1, 2], [-1, 1, 2], [1, 0, 2]]]
+    behind = [[[-1, -1, 2], [1, 0, 2], [-1, 1, 2]]]
+    for corners, seen in ((before, True), (behind, False)):
+        for one_sided in (False, True):
+            surface = Surface(triangles(corners), GREY, 3, one_sided=one_sided)
+            picture = rasteriser(moving=[surface]).picture(still_poses(1))
+            assert (picture.label == 3).any() == (seen or not one_sided)
+
+
 @pytest.mark.parametrize("tilt", [0.0, 0.5, 1.0, 1.3])
 def test_a_rough_surface_is_as_bright_as_the_cosine_of_its_tilt(tilt):
     wide = 30.0

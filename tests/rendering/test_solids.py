@@ -1,5 +1,7 @@
 """Solids are closed, their normals point outward, and they are as large as they say."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from bath_drake.rendering.solids import (
     cylinder,
     ellipsoid,
     faceted,
+    is_solid,
     subdivided,
 )
 
@@ -38,6 +41,16 @@ def test_a_solid_holds_its_volume(name):
     # Signed, so that a facet turned inside out would be missed; a polyhedron inside of
     # a round solid holds a little less.
     assert volume(shape) == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_a_solid_is_told_from_a_shell_and_from_one_inside_out(name):
+    shape, _ = SOLIDS[name]
+    assert is_solid(shape)
+    assert is_solid(faceted(shape.vertices, shape.triangles))
+    # Without a triangle that has an area.
+    assert not is_solid(replace(shape, triangles=shape.triangles[10:]))
+    assert not is_solid(replace(shape, triangles=shape.triangles[:, ::-1]))
 
 
 @pytest.mark.parametrize("name", SOLIDS)
