@@ -90,7 +90,8 @@ def draw_placement(found: Reachability) -> Figure | None:
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     figure.suptitle(
         f"Base at z = {plan.z:.2f} m, yaw {plan.yaw:.2f} rad, person at rest; "
-        "grey: too near the person",
+        # A line between this and the titles below.
+        "grey: too near the person\n",
         x=0.01,
         ha="left",
         fontsize=10.0,
