@@ -11,6 +11,7 @@ from bath_drake.scene.arm import base_pose
 from bath_drake.scene.config import SceneConfig
 from bath_drake.scene.room import PEDESTAL_SIDE, STOOL_RADIUS
 from bath_drake.scene.studio import true_person_pose
+from bath_drake.systems._ports import drake_vector
 
 # The links that stand on the pedestal and turn beside it keep off it by themselves.
 _OFF_PEDESTAL = (3, 8)
@@ -38,7 +39,8 @@ def pedestal_obstacle(height: float) -> Boxes:
 
 def stool_obstacle(config: SceneConfig, person: Person) -> Boxes:
     """Returns the stool in W, where the person sat down, whatever it does then."""
-    seat = np.array(true_person_pose(config, person, 0.0).multiply(person.seat))
+    X_WM = true_person_pose(config, person, 0.0)
+    seat = np.array(X_WM.multiply(drake_vector(person.seat)))
     around = np.array([STOOL_RADIUS, STOOL_RADIUS, 0.0])
     floor = seat * [1.0, 1.0, 0.0]
     return upright_box(floor - around, seat + around, _OFF_STOOL)

@@ -199,7 +199,9 @@ class JointSolver:
     def _ask_drake(
         self, twist: FloatArray, parameters: DifferentialInverseKinematicsParameters
     ) -> FloatArray | None:
-        result = DoDifferentialInverseKinematics(  # type: ignore[no-untyped-call] # stub
+        # Of Drake's stubs some give it types, some none.
+        solve: Any = DoDifferentialInverseKinematics
+        result = solve(
             self._plant, self._scratch, drake_vector(twist), self._frame, parameters
         )
         if result.status != DifferentialInverseKinematicsStatus.kSolutionFound:
