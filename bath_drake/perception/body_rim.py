@@ -5,6 +5,8 @@ at the waist; the superellipse taken here is as broad as that allows. What is le
 is at the corners: shoulders and hips.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.ndimage import binary_fill_holes
 
@@ -25,6 +27,17 @@ ON_BACK = 0.985
 
 # Cells of the grid it is counted on, in N, and how far the grid reaches.
 CELL, REACH = 0.04, 1.4
+
+
+@dataclass(frozen=True)
+class SeenRim:
+    """What a frame tells of a back's rim.
+
+    Attributes:
+        workspace: The rim in N; None where none is known.
+    """
+
+    workspace: Workspace | None = None
 
 
 def body_rim(p_N: FloatArray) -> Workspace | None:

@@ -13,6 +13,7 @@ from pydrake.systems.framework import (
 )
 
 from bath_drake.perception.body_observation import BodyObservation
+from bath_drake.perception.body_rim import SeenRim
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.map_follower import (
     FollowedMap,
@@ -52,7 +53,7 @@ class CanonicalProjector(LeafSystem):
     whoever moves the robot holds it then. A frame whose map jumps further than a body
     can is not believed: `map_status` is 0 until one is again, and 1 otherwise;
     `rejected_frames` counts them. `recalled_skin` is what the robot hides of the skin,
-    `body_rim` the back's rim in N (a Workspace), or None where none is known.
+    `body_rim` is a `bath_drake.perception.body_rim.SeenRim`.
     """
 
     def __init__(self, *, period: float, follower: MapFollower | None = None) -> None:
@@ -83,7 +84,7 @@ class CanonicalProjector(LeafSystem):
             "recalled_skin", lambda: Value(RecalledSkin()), self._calc_recalled, known
         )
         self.DeclareAbstractOutputPort(
-            "body_rim", lambda: Value[object](None), self._calc_rim, known
+            "body_rim", lambda: Value(SeenRim()), self._calc_rim, known
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, FRAME_DELAY_S, self._look)
 
@@ -111,7 +112,7 @@ class CanonicalProjector(LeafSystem):
         output.set_value(self._remembered(context).recalled)
 
     def _calc_rim(self, context: Any, output: Any) -> None:
-        output.set_value(self._remembered(context).rim)
+        output.set_value(SeenRim(self._remembered(context).rim))
 
     def _remembered(self, context: Context) -> FollowedMap:
         held: Any = context.get_abstract_state(int(self._known))

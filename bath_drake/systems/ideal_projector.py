@@ -7,6 +7,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from bath_drake.field.obstacles import Workspace
 from bath_drake.perception.body_observation import BodyObservation
+from bath_drake.perception.body_rim import SeenRim
 from bath_drake.perception.recalled_skin import RecalledSkin
 from bath_drake.systems._ports import eval_value, set_vector
 from bath_drake.systems.canonical_projector import unknown_map
@@ -29,7 +30,7 @@ class IdealProjector(LeafSystem):
 
     The map is the observation's `tracked_map`, of the same frame. Nothing is hidden, so
     `recalled_skin` is empty; `map_status` is 1 and `rejected_frames` 0. Before the
-    first frame the map is `unknown_map` and `body_rim` None. Stateless.
+    first frame the map is `unknown_map` and `body_rim` knows none. Stateless.
     """
 
     def __init__(self, *, rim: Workspace | None) -> None:
@@ -54,7 +55,7 @@ class IdealProjector(LeafSystem):
             "recalled_skin", lambda: Value(RecalledSkin()), _calc_recalled, never
         )
         self.DeclareAbstractOutputPort(
-            "body_rim", lambda: Value[object](None), self._calc_rim, seen
+            "body_rim", lambda: Value(SeenRim()), self._calc_rim, seen
         )
 
     def _calc_map(self, context: Any, output: Any) -> None:
@@ -63,7 +64,7 @@ class IdealProjector(LeafSystem):
 
     def _calc_rim(self, context: Any, output: Any) -> None:
         observation = eval_value(self._observation, context, BodyObservation)
-        output.set_value(self._rim if observation.found else None)
+        output.set_value(SeenRim(self._rim) if observation.found else SeenRim())
 
 
 def _calc_believed(context: Context, output: BasicVector) -> None:

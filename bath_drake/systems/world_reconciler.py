@@ -16,6 +16,7 @@ from bath_drake.control.outlook import Outlook, look_ahead
 from bath_drake.control.world import World
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.perception.body_rim import SeenRim
 from bath_drake.systems._ports import eval_value, eval_vector
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S
 
@@ -43,7 +44,7 @@ class WorldReconciler(LeafSystem):
     `reconciled_obstacles` are the areas. `world_status` is 1 where both together are
     proved sound and 0 where not: then the robot must hold. `remaining_chain` is the
     learned field and those to come: the world of the next is made ahead of time.
-    With `body_rim` (a Workspace or None) both are within the body, where that is sound.
+    With `body_rim` (a `SeenRim`) both are within the body, where that is sound.
     `reconciled_worlds` is a tuple of every `bath_drake.control.world.World` made so,
     `restricted_areas` are the areas in force; neither depends on the inputs.
 
@@ -107,9 +108,9 @@ class WorldReconciler(LeafSystem):
             chain = eval_value(self._chain, context, Chain)
         else:
             chain = Chain((eval_value(self._field, context, NavigationField),))
-        rim: Any = None
+        rim = SeenRim()
         if self._rim.HasValue(context):
-            rim = eval_value(self._rim, context, object)
+            rim = eval_value(self._rim, context, SeenRim)
         before = self._in_force(context)
         outlook = look_ahead(
             before,
@@ -117,7 +118,7 @@ class WorldReconciler(LeafSystem):
             chain,
             eval_vector(self._p_NQ, context),
             slack=self._slack,
-            rim=rim,
+            rim=rim.workspace,
         )
         if outlook is before:
             return EventStatus.DidNothing()
