@@ -117,7 +117,10 @@ def _surface(
     if isinstance(shape, Mesh) and shape.extension() == ".gltf":
         if shape.source().is_in_memory():
             raise ScenarioError(f"{name}: found a glTF in memory, {_ALLOWED}")
-        part = read_part(Path(shape.source().path()))
+        try:
+            part = read_part(Path(shape.source().path()))
+        except ScenarioError as error:
+            raise ScenarioError(f"{name}: {error}; {_ALLOWED}") from error
         normals = vertex_normals(part.vertices, part.triangles, True)
         mesh = Shape(part.vertices * shape.scale3(), normals, part.triangles)
         # Such a part alone is open, but the others close the body.

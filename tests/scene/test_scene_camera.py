@@ -142,6 +142,13 @@ def test_what_only_drakes_renderer_draws_is_named(shape, rgba, told):
         drawing(scene_graph.model_inspector())
 
 
+def test_another_gltf_than_a_persons_part_is_named_with_who_draws_it(tmp_path):
+    (tmp_path / "link.gltf").write_text('{"meshes": []}')
+    scene_graph = scene_with(Mesh(tmp_path / "link.gltf"))
+    with pytest.raises(ScenarioError, match=r"the_thing: .*link\.gltf.*renderer: vtk"):
+        drawing(scene_graph.model_inspector())
+
+
 def test_a_convex_hull_is_drawn_in_drakes_colour_for_what_has_none():
     corners = np.array(np.meshgrid(*[[-0.1, 0.2]] * 3)).reshape(3, -1)
     scene_graph = scene_with(Convex(points=corners, label="hull"))
