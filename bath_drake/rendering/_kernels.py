@@ -68,8 +68,10 @@ def place(
             n_l = min(max(nx * lx + ny * ly + nz * lz, 1e-5), 1.0)
             h_l = min(max((hx * lx + hy * ly + hz * lz) / between, 1e-5), 1.0)
             n_h = min(max((nx * hx + ny * hy + nz * hz) / between, 1e-5), 1.0)
-            fresnel = _REFLECTED + (1.0 - _REFLECTED) * (1.0 - h_l) ** 5
-            spread = wide / (np.pi * (n_h * n_h * (wide - 1.0) + 1.0) ** 2)
+            grazing = (1.0 - h_l) * (1.0 - h_l)
+            fresnel = _REFLECTED + (1.0 - _REFLECTED) * grazing * grazing * (1.0 - h_l)
+            lobe = n_h * n_h * (wide - 1.0) + 1.0
+            spread = wide / (np.pi * lobe * lobe)
             shadowed = 0.5 / (
                 n_l * np.sqrt(n_v * n_v * (1.0 - wide) + wide)
                 + n_v * np.sqrt(n_l * n_l * (1.0 - wide) + wide)

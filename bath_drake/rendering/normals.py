@@ -21,21 +21,25 @@ def vertex_normals(
         Zero at vertices of no triangle, and where the triangles' normals cancel.
     """
     normals = np.zeros_like(vertices)
-    facet = np.empty(3)
     for t in range(len(triangles)):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        for k in range(3):
-            i, j = (k + 1) % 3, (k + 2) % 3
-            facet[k] = (vertices[b, i] - vertices[a, i]) * (
-                vertices[c, j] - vertices[a, j]
-            ) - (vertices[b, j] - vertices[a, j]) * (vertices[c, i] - vertices[a, i])
-        scale = 1.0
+        ax, ay, az = vertices[a, 0], vertices[a, 1], vertices[a, 2]
+        ux, uy, uz = vertices[b, 0] - ax, vertices[b, 1] - ay, vertices[b, 2] - az
+        vx, vy, vz = vertices[c, 0] - ax, vertices[c, 1] - ay, vertices[c, 2] - az
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         if not by_area:
-            scale = 1.0 / max(np.sqrt((facet * facet).sum()), 1e-15)
+            scale = 1.0 / max(np.sqrt(nx * nx + ny * ny + nz * nz), 1e-15)
+            nx, ny, nz = scale * nx, scale * ny, scale * nz
         for corner in (a, b, c):
-            for k in range(3):
-                normals[corner, k] += scale * facet[k]
+            normals[corner, 0] += nx
+            normals[corner, 1] += ny
+            normals[corner, 2] += nz
     for n in range(len(normals)):
-        length = np.sqrt((normals[n] * normals[n]).sum())
-        normals[n] /= max(length, 1e-12)
+        nx, ny, nz = normals[n, 0], normals[n, 1], normals[n, 2]
+        length = max(np.sqrt(nx * nx + ny * ny + nz * nz), 1e-12)
+        normals[n, 0], normals[n, 1], normals[n, 2] = (
+            nx / length,
+            ny / length,
+            nz / length,
+        )
     return normals
