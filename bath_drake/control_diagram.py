@@ -25,7 +25,6 @@ from bath_drake.systems.certificate_monitor import CertificateMonitor
 from bath_drake.systems.differential_ik import DifferentialIk
 from bath_drake.systems.force_regulator import ForceRegulator
 from bath_drake.systems.force_sensor import ForceSensor
-from bath_drake.systems.hold_supervisor import HoldSupervisor
 from bath_drake.systems.joint_guard import JointGuard
 from bath_drake.systems.loop_monitor import LoopMonitor
 from bath_drake.systems.navigation_controller import NavigationController
@@ -108,7 +107,6 @@ def add_control(
             "nozzle_kinematics": NozzleKinematics(plant=arm),
             "nozzle_clearance": NozzleClearance(),
             "canonical_tracker": CanonicalTracker(),
-            "hold_supervisor": HoldSupervisor(max_frame_age=control.max_frame_age),
             "loop_monitor": LoopMonitor(bounds=loop_bounds(scenario)),
         },
     )
@@ -137,7 +135,6 @@ def add_control(
     surface = systems["surface_reference"]
     ik = systems["differential_ik"]
     tracker = systems["canonical_tracker"]
-    supervisor = systems["hold_supervisor"]
     monitor = systems["loop_monitor"]
     guard = systems["joint_guard"]
     clearance = systems["nozzle_clearance"]
@@ -147,15 +144,12 @@ def add_control(
         (stages, "remaining_chain", [world]),
         (stages, "final_stage", [controller]),
         (world, "reconciled_worlds", [proof]),
-        (proof, "world_status", [supervisor]),
         (reference, "canonical_reference", [stages, world, proof]),
         (pacer, "phase", [reference, monitor, ik]),
         (pacer, "standoff", [surface, tracker, ik]),
         (systems["surface_velocity"], "surface_velocity", [surface, ik]),
         (surface, "desired_nozzle_pose", [ik, approach]),
         (surface, "surface_patch", [clearance]),
-        (surface, "surface_status", [supervisor]),
-        (ik, "ik_status", [supervisor]),
         (systems["nozzle_kinematics"], "nozzle_pose", [tracker, approach, clearance]),
         (clearance, "nozzle_clearance", [guard, monitor]),
         (guard, "hold", [ik, reference, approach]),

@@ -47,7 +47,7 @@ from bath_drake.systems.skin_view import DrawnPart, SkinView
 from bath_drake.wiring import connect
 
 # Who heeds what the camera saw, and when.
-_WATCHING = ("hold_supervisor", "canonical_guard", "joint_guard")
+_WATCHING = ("canonical_guard", "joint_guard")
 # m, from the arm's base: beside it, where the viewer looks past.
 _LAMP = np.array([0.1, 0.45, 0.95])
 _MESHCAT_PERIOD_S = 1.0 / 15.0

@@ -15,7 +15,6 @@ LOGGED_PORTS = (
     ("stage_sequencer", "stage"),
     ("approach_sequencer", "phase"),
     ("approach_sequencer", "standoff"),
-    ("hold_supervisor", "hold_reason"),
     ("joint_guard", "guard_mode"),
     ("joint_guard", "guard_reason"),
     ("joint_guard", "checked_command"),

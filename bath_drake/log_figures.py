@@ -10,9 +10,8 @@ from bath_drake.field.parameters import unpack_field
 from bath_drake.learning.skill import Skill
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.reach.kinematics import ArmModel
-from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.limits import JOINTS
-from bath_drake.safety.reasons import Reason
+from bath_drake.safety.reasons import Mode, Reason
 from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
 
@@ -31,8 +30,9 @@ def certificate_figures(log: SimulationLog, world: CertifiedWorld) -> dict[str, 
     """The verdict on the world that was driven in: sensed areas make another one."""
     areas = np.count_nonzero(log.keyframe_areas[:, 0] == len(log.keyframe_time) - 1)
     certificate = world.certificate
-    moving = log.hold_reason == HoldReason.NONE
-    unproved = log.certificate_verdict != WorldVerdict.PROVED
+    # The guard hears of a world at its next tick, two of which are a sample.
+    moving = log.guard_mode[1:] == Mode.PASS
+    unproved = log.certificate_verdict[:-1] != WorldVerdict.PROVED
     return {
         "verdict": certificate.verdict,
         "reason": certificate.reason,
@@ -80,11 +80,11 @@ def guard_seconds(log: SimulationLog) -> dict[str, float]:
 
 
 def hold_counts(log: SimulationLog) -> dict[str, int]:
-    """How often the loop began to hold, by its reasons."""
+    """How often the joint guard began to let nothing pass, by its reasons."""
     return {
         reason.name.lower(): int(count)
-        for reason, count in zip(HoldReason, log.hold_counts, strict=True)
-        if reason is not HoldReason.NONE
+        for reason, count in zip(Reason, log.guard_counts, strict=True)
+        if reason is not Reason.NONE
     }
 
 

@@ -18,7 +18,6 @@ from bath_drake.faults.expectation import Expectation, check_expectation
 from bath_drake.faults.script import FaultScript, check_script
 from bath_drake.perception.config import PerceptionConfig, check_perception
 from bath_drake.resources import diagrams_folder, models_folder
-from bath_drake.safety.hold import MAX_FRAME_AGE
 from bath_drake.safety.outcome import LoopBounds
 from bath_drake.scene.config import SceneConfig, check_scene
 from bath_drake.schema import fill
@@ -39,7 +38,7 @@ class ControlConfig:
     approach_speed: float = 0.05  # m/s along the normal, at most 0.05
     approach_acceleration: float = 0.25  # m/s^2 along the normal, at most 1
     approach_jerk: float = 2.5  # m/s^3 along the normal, at most 20
-    max_frame_age: float = MAX_FRAME_AGE  # s
+    max_frame_age: float = 0.1  # s: two periods pass by themselves, a third is too many
     min_clearance: float = 0.02  # m, nozzle tip off the seen skin
     force: float = 4.0  # N, along the normal, at most 5; where skin can be touched
     goal_tolerance: float = 0.02  # canonical

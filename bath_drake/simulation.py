@@ -13,7 +13,6 @@ from bath_drake.field.parameters import pack_field
 from bath_drake.log_diagram import log_name, logged_ports
 from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.safety.hold import HoldReason
 from bath_drake.scenario import Scenario
 from bath_drake.scene import make_control_plant
 from bath_drake.simulation_log import SimulationLog
@@ -194,7 +193,6 @@ def _collect(
         stage=series["stage"][:, 0],
         phase=series["phase"][:, 0],
         standoff=series["standoff"][:, 0],
-        hold_reason=series["hold_reason"][:, 0],
         guard_mode=series["guard_mode"][:, 0],
         guard_reason=series["guard_reason"][:, 0],
         checked_command=series["checked_command"],
@@ -210,9 +208,7 @@ def _collect(
         asked_force=series.get("asked_force", np.zeros((count, 1)))[:, 0],
         nozzle_pose=_nozzle_poses(scenario, series["arm_state"]),
         body_pose=series["body_pose"],
-        hold_counts=_output(diagram, context, "hold_supervisor", "hold_counts")[
-            : len(HoldReason)
-        ],
+        guard_counts=_output(diagram, context, "joint_guard", "guard_counts").copy(),
         wall_time=np.array(wall_time),
         frames=np.array(_frames(scenario, wall_time[-1][0] - wall_time[0][0])),
         outcome=outcome,

@@ -10,7 +10,7 @@ import numpy as np
 from bath_drake.errors import RunFolderError
 from bath_drake.files import read_archive, write_atomically
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
-from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Reason
 
 _MAX_BYTES = 512 * 1024 * 1024
 
@@ -27,7 +27,6 @@ class SimulationLog:
         stage: (T,) which field of the skill's chain was followed, from 0.
         phase: (T,) a `bath_drake.control.approach.Phase` each.
         standoff: (T,) commanded distance off the skin, m.
-        hold_reason: (T,) a `bath_drake.safety.hold.HoldReason` each.
         guard_mode: (T,) a `bath_drake.safety.reasons.Mode` each, of the joint guard;
             zero in older logs.
         guard_reason: (T,) a `bath_drake.safety.reasons.Reason` each, likewise.
@@ -47,7 +46,8 @@ class SimulationLog:
         asked_force: (T,) that the tool was to press with, N; zero while it was away.
         nozzle_pose: (T, 7) X_WE as quaternion w, x, y, z and position, m.
         body_pose: (T, 7) the true X_WM likewise; for verification only.
-        hold_counts: (number of reasons,) how often a hold began.
+        guard_counts: (number of reasons,) how often each of the joint guard's began;
+            zero in older logs.
         wall_time: (S, 2) simulated and wall-clock seconds, as the run went on.
         frames: Camera frames taken.
         outcome: Name of a `bath_drake.safety.outcome.LoopOutcome`.
@@ -76,7 +76,6 @@ class SimulationLog:
     stage: FloatArray
     phase: FloatArray
     standoff: FloatArray
-    hold_reason: FloatArray
     guard_mode: FloatArray
     guard_reason: FloatArray
     checked_command: FloatArray
@@ -91,7 +90,7 @@ class SimulationLog:
     asked_force: FloatArray
     nozzle_pose: FloatArray
     body_pose: FloatArray
-    hold_counts: FloatArray
+    guard_counts: FloatArray
     wall_time: FloatArray
     frames: IntArray
     outcome: str
@@ -136,11 +135,11 @@ class SimulationLog:
             arrays.setdefault("asked_force", np.zeros(len(none)))
         if "joint_command" in arrays:
             arrays.setdefault("checked_command", arrays["joint_command"])
-        counts = arrays.get("hold_counts")
-        if counts is not None and counts.ndim == 1 and len(counts) < len(HoldReason):
-            # And those from before fewer reasons to hold.
-            more = np.zeros(len(HoldReason) - len(counts))
-            arrays["hold_counts"] = np.append(counts, more)
+        counts = arrays.setdefault("guard_counts", np.zeros(0))
+        if counts.ndim == 1 and len(counts) < len(Reason):
+            # And those from when there were fewer reasons.
+            more = np.zeros(len(Reason) - len(counts))
+            arrays["guard_counts"] = np.append(counts, more)
         missing = [name for name in names if name not in arrays]
         if missing:
             raise RunFolderError(f"{path}: lacks {', '.join(missing)}")

@@ -25,7 +25,7 @@ from bath_drake.patient.people import LABEL_BACK, load_person
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Mode, Reason
 from bath_drake.scenario import Scenario, dump_scenario, find_demonstration
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.skill_file import certified, save_skill
@@ -139,7 +139,7 @@ def make_log(
     axes = np.cos(tilt) * axes + np.sin(tilt) * side
     side = np.cos(tilt) * side - np.sin(tilt) * (-normals @ yaw.T)
     rotations = np.stack([side, np.cross(axes, side), axes], axis=2)
-    hold = np.where((time > 7.0) & (time < 7.4), 3.0, 0.0)
+    held = (time > 7.0) & (time < 7.4)
 
     camera = scenario.scene.camera
     model = PinholeCamera()
@@ -164,14 +164,13 @@ def make_log(
         canonical_position=p_N + rng.normal(0.0, 1e-3, (count, 2)),
         canonical_reference=p_N + 0.01,
         rejected_frames=np.zeros(count),
-        guard_mode=np.zeros(count),
-        guard_reason=np.zeros(count),
+        guard_mode=held * float(Mode.HOLD),
+        guard_reason=held * float(Reason.BODY_LOST),
         checked_command=np.zeros((count, 14)),
         canonical_offset=np.zeros((count, 2)),
         stage=np.zeros(count),
         phase=phase,
         standoff=standoff,
-        hold_reason=hold,
         certificate_verdict=np.full(count, float(WorldVerdict.PROVED)),
         certificate_seconds=np.where(time < 2.0, 0.004, 0.006),
         certified_start=np.tile(p_N[0], (count, 1)),
@@ -184,7 +183,7 @@ def make_log(
             [_pose_row(R, p) for R, p in zip(rotations, tips, strict=True)]
         ),
         body_pose=np.tile(_pose_row(yaw, p_WM), (count, 1)),
-        hold_counts=np.eye(len(HoldReason))[HoldReason.BODY_LOST],
+        guard_counts=np.eye(len(Reason))[Reason.BODY_LOST],
         wall_time=np.column_stack([time, 1.3 * time + 0.1 * np.sin(time)]),
         frames=np.array(480),
         outcome="GOAL_REACHED",

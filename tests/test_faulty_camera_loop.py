@@ -9,7 +9,7 @@ from bath_drake.block_diagram import wiring_lines
 from bath_drake.diagrams import build_reproduction
 from bath_drake.perception.colour_noise import ColourNoiseConfig
 from bath_drake.perception.faults import FrameFault, LateFault
-from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Reason
 from bath_drake.scenario import load_scenario
 
 FRAME = 1.0 / 30.0
@@ -43,7 +43,7 @@ def watched(diagram, until, step=0.02):
         simulator.AdvanceTo(k * step)
         context = simulator.get_context()
         t = context.get_time()
-        reason = output(diagram, context, "hold_supervisor", "hold_reason")[0]
+        reason = output(diagram, context, "joint_guard", "present_reason")[0]
         observation = output(diagram, context, "body_segmenter", "body_observation")
         command = output(diagram, context, "differential_ik", "joint_command")
         rows.append((t, reason, t - observation.stamp, command.copy()))
@@ -57,10 +57,10 @@ def test_the_robot_holds_while_no_frames_come_and_goes_on_after():
     for t, reason, age, _ in rows:
         # The last frame before the gap is stale after 0.1 s.
         if begin + 0.1 < t < end:
-            assert reason == HoldReason.STALE_FRAME
+            assert reason == Reason.FRAME_STALE
             assert age > 0.1
         if t > end + FRAME or 0.1 < t < begin:
-            assert reason == HoldReason.NONE
+            assert reason == Reason.NONE
     # At most 1.31 rad/s here; at 10 rad/s^2 the guard brakes within 0.14 s.
     held = [command for t, _, _, command in rows if begin + 0.24 < t < end + 0.2]
     for command in held[1:]:
@@ -72,7 +72,7 @@ def test_the_robot_holds_while_no_frames_come_and_goes_on_after():
 
 @pytest.mark.render
 @pytest.mark.parametrize(
-    ("delay", "reason"), [(FRAME, HoldReason.NONE), (0.2, HoldReason.STALE_FRAME)]
+    ("delay", "reason"), [(FRAME, Reason.NONE), (0.2, Reason.FRAME_STALE)]
 )
 def test_a_late_frame_is_as_old_as_it_is(delay, reason):
     rows = watched(loop(late=LateFault(delay=delay)), 0.4)

@@ -29,7 +29,7 @@ WORLD = {"patient_motion", "scene_graph", "camera", "plant"}
 # Where there is contact: what is between it and the sensor.
 FELT = {"contact_wrench", "force_sensor"}
 # What moves the arm or ends its motion.
-DECIDING = ("differential_ik", "hold_supervisor", "loop_monitor")
+DECIDING = ("differential_ik", "joint_guard", "loop_monitor")
 # Where a carer is filmed no robot is told anything.
 SCENES = [name for name in BUILDERS if name not in ("canonical_loop", "demonstration")]
 LOOPS = [name for name in SCENES if not name.endswith("_perception")]
@@ -188,8 +188,8 @@ def test_the_person_takes_no_part_in_contacts(name):
         ("camera.label_image -> log_labels.data", "label"),
         ("camera.depth_image_16u -> body_segmenter.depth_image", "label"),
         ("camera.body_pose_in_world -> body_segmenter.x", "label"),
-        ("plant.contact_results -> hold_supervisor.x", "ahead"),
-        ("plant.contact_results -> hold_supervisor.x", "truth"),
+        ("plant.contact_results -> joint_guard.x", "ahead"),
+        ("plant.contact_results -> joint_guard.x", "truth"),
         ("contact_wrench.contact_wrench -> force_regulator.wrench", "truth"),
         ("patient_motion.skin_segments -> differential_ik.x", "truth"),
         ("plant.body_poses -> nozzle_kinematics.arm_state", "behind"),

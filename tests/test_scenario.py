@@ -18,7 +18,6 @@ from bath_drake.scenario import (
     loop_bounds,
 )
 from bath_drake.scene.config import CameraConfig, WoundConfig
-from bath_drake.systems.hold_supervisor import MAX_FRAME_AGE
 
 SHIPPED = sorted(path.name for path in diagrams_folder().glob("*.yaml"))
 
@@ -171,7 +170,8 @@ def test_the_careful_defaults_are_those_of_bathing_practice():
     control = Scenario().control
     assert control.washing_speed <= 0.10
     assert control.approach_speed <= 0.05
-    assert control.max_frame_age == MAX_FRAME_AGE
+    # Two camera periods pass by themselves; three would be 100 ms.
+    assert control.max_frame_age <= 0.1
 
 
 def test_the_pure_limits_carry_the_scenario_values():

@@ -21,7 +21,7 @@ from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.run_folder import write_metrics
-from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Mode, Reason
 from bath_drake.scenario import find_skill, load_scenario
 from bath_drake.scene.config import WoundConfig
 from bath_drake.simulation import run
@@ -82,7 +82,7 @@ def test_the_closed_loop_passes_its_verification(judged):
 @pytest.mark.render
 def test_the_arm_moves_in_proved_worlds_alone(judged):
     _, log, evaluation = judged
-    moving = log.hold_reason == HoldReason.NONE
+    moving = log.guard_mode == Mode.PASS
     assert moving.any()
     assert (log.certificate_verdict[moving] == WorldVerdict.PROVED).all()
     certificate = evaluation.metrics["certificate"]
@@ -207,7 +207,7 @@ def test_a_composed_skill_is_washed_field_after_field(composed):
 @pytest.mark.render
 def test_the_robot_does_not_stop_at_a_gate(composed):
     scenario, log, _ = composed
-    moving = log.hold_reason == HoldReason.NONE
+    moving = log.guard_mode == Mode.PASS
     assert (log.certificate_verdict[moving] == WorldVerdict.PROVED).all()
     if scenario.scene.wound is not None:
         return  # an area that grows near the gate is a new world, proved a frame later
@@ -276,7 +276,7 @@ def test_a_skill_whose_world_traps_never_moves_the_arm():
     log = run(diagrams.build_reproduction(scenario, skill), scenario)
     seen = log.time > 0.05
     assert (log.certificate_verdict[seen] == WorldVerdict.REFUTED).all()
-    assert (log.hold_reason[seen] == HoldReason.UNSOUND_WORLD).all()
+    assert (log.guard_reason[seen] == Reason.WORLD_UNSOUND).all()
     np.testing.assert_array_equal(
         log.joint_command[:, :7], np.tile(log.joint_command[0, :7], (len(seen), 1))
     )
@@ -307,16 +307,13 @@ def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
     skill = shipped_skill(scenario)
     log = run(diagrams.build_reproduction(scenario, skill), scenario)
     assert log.outcome == "TIMED_OUT"
-    assert log.hold_counts[HoldReason.BODY_HIDDEN] == 1
-    assert log.hold_counts[HoldReason.BODY_LOST] == 1
+    assert log.guard_counts[Reason.FRAME_INVALID] == 1
 
-    # The next frame is 33 ms away at most; then every instant holds, and after a tenth
-    # of a second of such frames the body counts as lost.
+    # The next frame is 33 ms away at most; then every instant holds.
     dark = log.time > DARK_FROM_S + 0.05
-    lost = log.time > DARK_FROM_S + 0.05 + 0.15
     light = (log.time > DARK_FROM_S - 0.5) & (log.time < DARK_FROM_S)
-    assert (log.hold_reason[dark] != HoldReason.NONE).all()
-    assert (log.hold_reason[lost] == HoldReason.BODY_LOST).all()
+    assert (log.guard_mode[dark] == Mode.HOLD).all()
+    assert (log.guard_reason[dark] == Reason.FRAME_INVALID).all()
     assert (log.phase[light] == Phase.WASH).all()
     # Joints brake with 10 rad/s^2: it takes them some hundredths of a second.
     still = log.time > DARK_FROM_S + 0.1

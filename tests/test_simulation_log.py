@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from bath_drake.errors import RunFolderError
-from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Reason
 from bath_drake.simulation_log import SimulationLog
 
 
@@ -48,10 +48,10 @@ def test_a_log_that_lacks_a_series_says_which(tmp_path):
         SimulationLog.load(path)
 
 
-def test_a_log_from_before_there_were_as_many_reasons_to_hold_is_read(log, tmp_path):
+def test_a_log_from_when_there_were_fewer_reasons_to_hold_is_read(log, tmp_path):
     path = tmp_path / "log.npz"
-    dataclasses.replace(log, hold_counts=np.array([0.0, 1.0, 2.0])).save(path)
-    counts = SimulationLog.load(path).hold_counts
-    assert len(counts) == len(HoldReason)
+    dataclasses.replace(log, guard_counts=np.array([0.0, 1.0, 2.0])).save(path)
+    counts = SimulationLog.load(path).guard_counts
+    assert len(counts) == len(Reason)
     np.testing.assert_array_equal(counts[:3], [0.0, 1.0, 2.0])
     assert not counts[3:].any()

@@ -15,7 +15,7 @@ from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.field.parameters import pack_field
 from bath_drake.field.rollout import RolloutStatus, rollout
 from bath_drake.patient.people import load_person
-from bath_drake.safety.hold import HoldReason
+from bath_drake.safety.reasons import Mode
 from bath_drake.scenario import Scenario
 from bath_drake.scene.config import WoundConfig
 from bath_drake.verification import evaluate, pose_from_row, versions, wound_outlines
@@ -231,9 +231,9 @@ def test_a_world_that_traps_elsewhere_passes_by_the_proof_of_its_start(perfect, 
 
 
 def test_a_move_without_proof_fails_and_a_hold_without_proof_does_not(perfect, skill):
-    moving = perfect.hold_reason == HoldReason.NONE
+    moving = perfect.guard_mode == Mode.PASS
     for samples, names in ((moving, {"moved_unproved"}), (~moving, set())):
-        k = np.flatnonzero(samples)[-1]
+        k = np.flatnonzero(samples)[3]
         verdict = perfect.certificate_verdict.copy()
         verdict[k] = WorldVerdict.REFUTED
         assert failed(replace(perfect, certificate_verdict=verdict), skill) == names
@@ -244,7 +244,7 @@ def test_every_proof_of_the_run_is_counted_with_its_time(perfect, skill):
     assert certificate["proofs"] == 2
     assert certificate["proof_seconds"] == {"mean": 0.005, "max": 0.006}
     unknown = np.full_like(perfect.certificate_verdict, WorldVerdict.UNKNOWN)
-    log = replace(perfect, certificate_verdict=unknown, hold_reason=unknown + 1.0)
+    log = replace(perfect, certificate_verdict=unknown)
     certificate = evaluate(log, Scenario(), skill).metrics["certificate"]
     assert certificate["proofs"] == 0
     assert certificate["proof_seconds"] == {"mean": None, "max": None}

@@ -7,7 +7,6 @@ import numpy as np
 
 from bath_drake.certificate.result import Certificate
 from bath_drake.report.run_data import RunData
-from bath_drake.safety.hold import HoldReason
 
 _REACH = {
     "whole": "Almost every start in free space reaches the goal, and none touches a "
@@ -166,20 +165,20 @@ def number(value: Any) -> str:
     return str(value)
 
 
-def hold_rows(holds: Mapping[str, float]) -> list[tuple[str, int]]:
-    """How often a hold began, by reason; also those of which there were none."""
-    names = [
-        reason.name.lower() for reason in HoldReason if reason is not HoldReason.NONE
-    ]
-    known = {str(name).lower(): int(count) for name, count in holds.items()}
-    known.pop("none", None)
-    return [(words(n), known.get(n, 0)) for n in dict.fromkeys([*names, *known])]
+def guard_rows(
+    seconds: Mapping[str, float], begun: Mapping[str, float]
+) -> list[tuple[str, str]]:
+    """For how long the guard let nothing pass, by reason, the longest first.
 
-
-def guard_rows(seconds: Mapping[str, float]) -> list[tuple[str, str]]:
-    """For how long the guard let nothing pass, by reason, the longest first."""
-    longest = sorted(seconds.items(), key=lambda item: -item[1])
-    return [(words(name), f"{time:.2f} s") for name, time in longest]
+    Args:
+        seconds: By reason.
+        begun: How often, by reason; what it began with has not begun.
+    """
+    rows = []
+    for name, time in sorted(seconds.items(), key=lambda item: -item[1]):
+        times = int(begun.get(name, 0))
+        rows.append((words(name), f"{time:.2f} s" + (f" ({times} ×)" if times else "")))
+    return rows
 
 
 def provenance(run: RunData) -> list[tuple[str, str]]:

@@ -11,7 +11,6 @@ from bath_drake.control.approach import Phase
 from bath_drake.notation import FloatArray
 from bath_drake.report import style
 from bath_drake.report.run_data import RunData
-from bath_drake.safety.hold import HoldReason
 from bath_drake.safety.reasons import Mode
 
 _PHASE_NAMES = {
@@ -186,10 +185,7 @@ def shade_phases(axes: Axes, run: RunData) -> None:
 
 def mark_holds(axes: Axes, run: RunData) -> None:
     """Colours the times in which the guard let nothing pass."""
-    # Older logs know only what planning was told to hold for.
-    held = (run.log.hold_reason != HoldReason.NONE).astype(float)
-    mode = np.maximum(run.log.guard_mode, held * Mode.HOLD)
-    for start, end, now in _spans(run.log.time, mode):
+    for start, end, now in _spans(run.log.time, run.log.guard_mode):
         if now != Mode.PASS:
             colour = _MODES[Mode(now)]
             axes.axvspan(start, end, color=colour, alpha=0.4, lw=0, zorder=0.5)

@@ -13,6 +13,10 @@ from bath_drake.safety.reasons import Reason
 # Stamps in steps of a period accumulate rounding, s.
 ROUNDING = 1e-9
 
+# A body that too little has been seen of for so long, s, is lost; until then it is
+# hidden, by an arm that passes.
+LOST_TIME = 0.1
+
 Vector = tuple[float, ...]
 
 

@@ -7,8 +7,7 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import Context, InputPort, LeafSystem
 
 from bath_drake.perception.body_observation import BodyObservation
-from bath_drake.safety.facts import GuardFacts
-from bath_drake.safety.hold import LOST_TIME
+from bath_drake.safety.facts import LOST_TIME, GuardFacts
 from bath_drake.safety.reasons import Reason
 from bath_drake.systems._ports import eval_value, eval_vector
 
