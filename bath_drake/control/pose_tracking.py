@@ -9,9 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from bath_drake.control.skin_speed import SKIN_SPEED, WashedPoint, within_skin_speed
-from bath_drake.control.smooth_twist import next_smooth
+from bath_drake.control.skin_speed import SKIN_SPEED, WashedPoint, within
+from bath_drake.control.smooth_twist import next_smooth_row
 from bath_drake.notation import FloatArray
+
+# Of a nozzle that washes nothing.
+_ANYWHERE, _AT_REST = np.array([0.0, 0.0, 1.0]), np.zeros(6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,27 +199,59 @@ def next_twist(
         dt: s.
         washed: What is to go along the skin no faster than `config.skin_speed`.
     """
-    towards = together(config.gain * error, config.angular_speed, config.speed)
-    wanted = limited(feed_forward + towards, config.angular_speed, config.speed)
+    p_ES, skin, bound = _ANYWHERE, _AT_REST, np.inf
     if washed is not None:
-        wanted = within_skin_speed(wanted, washed, config.skin_speed)
-    twist, after = np.empty(6), np.empty(6)
-    for part, bounds in (
-        (
-            slice(0, 3),
-            (config.angular_speed, config.angular_acceleration, config.angular_jerk),
-        ),
-        (slice(3, 6), (config.speed, config.acceleration, config.jerk)),
-    ):
-        twist[part], after[part] = next_smooth(
+        p_ES, skin, bound = washed.p_ES_W, washed.skin, config.skin_speed
+    rows = _next_twist(
+        np.ascontiguousarray(previous),
+        np.ascontiguousarray(acceleration),
+        np.ascontiguousarray(error),
+        np.ascontiguousarray(feed_forward),
+        np.ascontiguousarray(p_ES),
+        np.ascontiguousarray(skin),
+        bound,
+        config.gain,
+        (config.angular_speed, config.angular_acceleration, config.angular_jerk),
+        (config.speed, config.acceleration, config.jerk),
+        dt,
+    )
+    return rows[0], rows[1]
+
+
+@njit(cache=True)
+def _next_twist(
+    previous: FloatArray,
+    acceleration: FloatArray,
+    error: FloatArray,
+    feed_forward: FloatArray,
+    p_ES: FloatArray,
+    skin: FloatArray,
+    skin_speed: float,
+    gain: float,
+    angular: tuple[float, float, float],
+    linear: tuple[float, float, float],
+    dt: float,
+) -> FloatArray:
+    """As `next_twist`: both in the rows of one array (2, 6)."""
+    towards = together(gain * error, angular[0], linear[0])
+    wanted = limited(feed_forward + towards, angular[0], linear[0])
+    if skin_speed < np.inf:
+        wanted = within(wanted, p_ES, skin, skin_speed)
+    rows = np.empty((2, 6))
+    for first, bounds in ((0, angular), (3, linear)):
+        part = slice(first, first + 3)
+        row = next_smooth_row(
             previous[part],
             acceleration[part],
             wanted[part],
-            bounds=bounds,
-            rate=4.0 * config.gain,
-            dt=dt,
+            bounds[0],
+            bounds[1],
+            bounds[2],
+            4.0 * gain,
+            dt,
         )
-    return twist, after
+        rows[0, part], rows[1, part] = row[:3], row[3:]
+    return rows
 
 
 def gentler(asked: FloatArray, done: FloatArray) -> FloatArray:
@@ -225,8 +260,13 @@ def gentler(asked: FloatArray, done: FloatArray) -> FloatArray:
     A motion that the joints' limits slowed down goes on from what it really does, and
     one that they braked hard is not braked further for its own smoothness' sake.
     """
+    return _gentler(np.ascontiguousarray(asked), np.ascontiguousarray(done))
+
+
+@njit(cache=True)
+def _gentler(asked: FloatArray, done: FloatArray) -> FloatArray:
     chosen = asked.copy()
-    for part in (slice(0, 3), slice(3, 6)):
-        if np.linalg.norm(done[part]) < np.linalg.norm(asked[part]):
-            chosen[part] = done[part]
+    for first in (0, 3):
+        if _norm(done, first) < _norm(asked, first):
+            chosen[first : first + 3] = done[first : first + 3]
     return chosen

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from bath_drake.notation import FloatArray
 from bath_drake.perception.quadric import cross
@@ -36,9 +37,7 @@ def along_skin(twist: FloatArray, washed: WashedPoint) -> FloatArray:
         twist: (6,) spatial velocity of the nozzle E, rad/s and m/s in W.
         washed: Where it washes.
     """
-    p_ES = washed.p_ES_W
-    relative = cross(twist[:3], p_ES) + twist[3:] - washed.skin[3:]
-    return np.asarray(relative - _part_along(p_ES, relative))
+    return np.asarray(_along(_plain(twist), _plain(washed.p_ES_W), _plain(washed.skin)))
 
 
 def within_skin_speed(
@@ -55,17 +54,45 @@ def within_skin_speed(
         washed: Where it washes.
         bound: m/s, greater than zero.
     """
-    speed = math.hypot(*along_skin(twist, washed).tolist())
+    skin = _plain(washed.skin)
+    return np.asarray(within(_plain(twist), _plain(washed.p_ES_W), skin, bound))
+
+
+@njit(cache=True)
+def within(
+    twist: FloatArray, p_ES: FloatArray, skin: FloatArray, bound: float
+) -> FloatArray:
+    """As `within_skin_speed`, of a `WashedPoint`'s numbers."""
+    speed = _length(_along(twist, p_ES, skin))
     if speed <= bound:
         return twist
     # What a nozzle fixed to the skin would do.
-    p_ES, skin = washed.p_ES_W, washed.skin
-    carried = np.concatenate([skin[:3], skin[3:] - cross(skin[:3], p_ES)])
+    carried = skin.copy()
+    carried[3:] -= cross(skin[:3], p_ES)
     relative = twist - carried
-    straight = np.concatenate([np.zeros(3), _part_along(p_ES, relative[3:])])
-    return np.asarray(carried + straight + (relative - straight) * (bound / speed))
+    kept = carried + relative * (bound / speed)
+    kept[3:] += _part_along(p_ES, relative[3:]) * (1.0 - bound / speed)
+    return kept
 
 
+@njit(cache=True)
+def _along(twist: FloatArray, p_ES: FloatArray, skin: FloatArray) -> FloatArray:
+    relative = cross(twist[:3], p_ES) + twist[3:] - skin[3:]
+    return relative - _part_along(p_ES, relative)
+
+
+@njit(cache=True)
 def _part_along(direction: FloatArray, vector: FloatArray) -> FloatArray:
-    unit = direction / math.hypot(*direction.tolist())
-    return np.asarray((vector @ unit) * unit)
+    size, part = _length(direction), 0.0
+    for k in range(3):
+        part += vector[k] * direction[k] / size
+    return direction * (part / size)
+
+
+@njit(cache=True)
+def _length(vector: FloatArray) -> float:
+    return math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+
+
+def _plain(values: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=np.float64)

@@ -36,7 +36,7 @@ def next_smooth(
 
     A velocity beyond the speed's bound comes back within it; one within stays.
     """
-    after = _next_smooth(
+    after = next_smooth_row(
         np.ascontiguousarray(velocity, dtype=np.float64),
         np.ascontiguousarray(acceleration, dtype=np.float64),
         np.ascontiguousarray(wanted, dtype=np.float64),
@@ -48,7 +48,7 @@ def next_smooth(
 
 
 @njit(cache=True)
-def _next_smooth(
+def next_smooth_row(
     v: FloatArray,
     a: FloatArray,
     wanted: FloatArray,
@@ -58,6 +58,7 @@ def _next_smooth(
     rate: float,
     dt: float,
 ) -> FloatArray:
+    """As `next_smooth`: velocity and acceleration in one row (6,)."""
     step = jerk * dt
     difference = np.sqrt(((wanted - v) ** 2).sum())
     # No more than can be run down before the wanted velocity is passed.

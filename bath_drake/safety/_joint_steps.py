@@ -47,6 +47,25 @@ def stoppable(way: Any, acceleration: Any, dt: float) -> Any:
 
 
 @compiled
+def both_ways(
+    q: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    speed: FloatArray,
+    acceleration: float,
+    dt: float,
+) -> tuple[FloatArray, bool]:
+    """Speeds (2, n) down and up that stop in range, and whether all q are in it."""
+    speeds, inside = np.empty((2, len(q))), True
+    for k in range(len(q)):
+        inside = inside and low[k] <= q[k] <= high[k]
+        for row, way in enumerate((q[k] - low[k], high[k] - q[k])):
+            most = stoppable(max(way, 0.0), acceleration, dt)
+            speeds[row, k] = min(speed[k], most)
+    return speeds, inside
+
+
+@compiled
 def refusal(
     q: FloatArray,
     v: FloatArray,
@@ -141,6 +160,23 @@ def next_velocity(
         v = v_last[k] + final * (wanted[k] / excess - v_last[k])
         v_next[k] = min(max(v, least[k]), most[k])
     return v_next, final / excess
+
+
+@compiled
+def followed_rows(J_W: FloatArray, R_WE: FloatArray) -> FloatArray:
+    """Returns (5, n): turns about E's x and y, then the tip's shifts in W.
+
+    In which axes the shifts are told is nothing to the singular values.
+    """
+    rows = np.empty((5, J_W.shape[1]))
+    for k in range(J_W.shape[1]):
+        for i in range(2):
+            rows[i, k] = 0.0
+            for j in range(3):
+                rows[i, k] += R_WE[j, i] * J_W[j, k]
+        for i in range(3):
+            rows[2 + i, k] = J_W[3 + i, k]
+    return rows
 
 
 @compiled

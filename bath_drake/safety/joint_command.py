@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.safety._joint_steps import (
+    both_ways,
     catching_up,
+    followed_rows,
     is_small,
     next_velocity,
     refusal,
     singular_value_ratio,
-    stoppable,
 )
 from bath_drake.safety.facts import Vector
 from bath_drake.safety.limits import JOINTS, GuardLimits, retreat_way
@@ -26,10 +27,6 @@ from bath_drake.safety.reasons import Reason
 # Damping of the Jacobian's inverse, of the size of its singular values near a
 # singularity (m/rad, rad/rad).
 _DAMPING = 0.05
-
-
-# Rows of the Jacobian in E: all but the turn about the jet.
-_FOLLOWED = [0, 1, 3, 4, 5]
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,25 +163,46 @@ def brake_step(last: Emitted, *, dt: float, limits: GuardLimits) -> Emitted:
     return Emitted(last.q + dt * v, v)
 
 
-def condition_number(jacobian_E: ArrayLike) -> float:
+def condition_number(jacobian_W: ArrayLike, R_WE: ArrayLike) -> float:
     """Of the nozzle's five directions that are followed; not finite of what is none.
 
     Args:
-        jacobian_E: (6, 7), angular rows (rad/rad) first, then the tip's (m/rad), in E.
-            The turn about the jet, its third row, is free and left out. Radians and
-            metres stand side by side, as the limits of this number have it.
+        jacobian_W: (6, 7), angular rows (rad/rad) first, then the tip's (m/rad), in W.
+            Radians and metres stand side by side, as the limits of this number have it.
+        R_WE: (3, 3) the nozzle's axes: the turn about the jet, its z, is free and left
+            out.
     """
-    J = _plain(jacobian_E)
-    if not _is_jacobian(J):
+    J, R = _plain(jacobian_W), _plain(R_WE)
+    if not (_is_jacobian(J) and R.shape == (3, 3) and is_small(R)):
         return float("nan")
-    return float(singular_value_ratio(J[_FOLLOWED]))
+    return float(singular_value_ratio(followed_rows(J, R)))
 
 
-def stoppable_speed(
-    way: FloatArray, acceleration: FloatArray | float, dt: float
-) -> FloatArray:
-    """The speed (n,) from which, after one more step, one stops within `way` >= 0."""
-    return np.asarray(stoppable(way, acceleration, dt))
+def stopping_speeds(
+    q: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    speed: FloatArray,
+    acceleration: float,
+    dt: float,
+) -> tuple[FloatArray, bool]:
+    """How fast each joint may go, so that after one more step it stops in its range.
+
+    Args:
+        q: (7,) positions, rad.
+        low: (7,) the range's lower ends, rad.
+        high: (7,) its upper ends, rad.
+        speed: (7,) speeds that none goes beyond, rad/s.
+        acceleration: rad/s^2.
+        dt: The step, s.
+
+    Returns:
+        Speeds (2, 7) down and up, rad/s, both positive, zero beyond an end; and whether
+        all positions are within the range.
+    """
+    bounds = _plain(low), _plain(high), _plain(speed)
+    speeds, inside = both_ways(_plain(q), *bounds, acceleration, dt)
+    return speeds, bool(inside)
 
 
 def can_brake(

@@ -20,7 +20,7 @@ from bath_drake.control.avoidance import (
 )
 from bath_drake.control.pose_tracking import across_jet
 from bath_drake.notation import FloatArray
-from bath_drake.safety.joint_command import stoppable_speed
+from bath_drake.safety.joint_command import stopping_speeds
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
@@ -67,7 +67,7 @@ class JointSolver:
         self._avoidance = avoidance
         self._range = self._admitted = limits
         self._speed = speed_fraction * np.array(plant.GetVelocityUpperLimits())
-        self._speeds = self._speed, self._speed
+        self._speeds, self._told = (self._speed, self._speed), b""
         self._unbounded, self._parameters = (
             _parameters(plant, posture, limits, time_step, self._speed, centering_gain)
             for _ in range(2)
@@ -105,8 +105,7 @@ class JointSolver:
         """Returns the nozzle's (6,) in W without its turn about the jet."""
         self._plant.SetVelocities(self._scratch, drake_vector(v))
         V_WE = self._frame.CalcSpatialVelocityInWorld(self._scratch)
-        velocity = np.concatenate([V_WE.rotational(), V_WE.translational()])
-        return across_jet(velocity, R_WE)
+        return across_jet(drake_vector(V_WE.get_coeffs()), R_WE)
 
     def _admit(self, q: FloatArray) -> None:
         """Widens the range to a position (7,) that was taken over, as far as it is.
@@ -114,8 +113,8 @@ class JointSolver:
         From beyond a limit no motion within it begins, not even the one back.
         """
         low, high = self._range
-        self._slow_down(q)
-        if self._admitted is self._range and (q >= low).all() and (q <= high).all():
+        inside = self._slow_down(q)
+        if self._admitted is self._range and inside:
             return
         admitted = np.minimum(low, q), np.maximum(high, q)
         if np.array_equal(admitted, self._admitted):
@@ -127,19 +126,23 @@ class JointSolver:
         for parameters in (self._parameters, self._unbounded):
             parameters.set_joint_position_limits(limits)
 
-    def _slow_down(self, q: FloatArray) -> None:
-        """Bounds the speed towards each end of the range by what stops there."""
+    def _slow_down(self, q: FloatArray) -> bool:
+        """Bounds the speed towards each end of the range by what stops there.
+
+        Returns:
+            Whether the position (7,) is within the range.
+        """
         low, high = self._range
-        ways = np.maximum(np.stack([q - low, high - q]), 0.0)
-        stopping = stoppable_speed(ways, self._acceleration, self._time_step)
-        down, up = np.minimum(self._speed, stopping)
-        slowest, fastest = self._speeds
-        if np.array_equal(down, slowest) and np.array_equal(up, fastest):
-            return
-        self._speeds = down, up
-        limits = drake_vector(-down), drake_vector(up)
-        for parameters in (self._parameters, self._unbounded):
-            parameters.set_joint_velocity_limits(limits)
+        speeds, inside = stopping_speeds(
+            q, low, high, self._speed, self._acceleration, self._time_step
+        )
+        told = speeds.tobytes()
+        if told != self._told:
+            self._told, self._speeds = told, (speeds[0], speeds[1])
+            limits = drake_vector(-speeds[0]), drake_vector(speeds[1])
+            for parameters in (self._parameters, self._unbounded):
+                parameters.set_joint_velocity_limits(limits)
+        return inside
 
     def _off(self, v: FloatArray, v_last: FloatArray, rows: FloatArray) -> FloatArray:
         """Bends the null space of v (7,), and slows it, to keep the links off."""
@@ -177,7 +180,7 @@ class JointSolver:
         if rows is not None:
             push = push_away(rows, self._avoidance)
             nominal = nominal + push / self._centering_gain
-        if np.array_equal(nominal, self._nominal):
+        if nominal is self._nominal or np.array_equal(nominal, self._nominal):
             return
         self._nominal = nominal
         for parameters in (self._parameters, self._unbounded):

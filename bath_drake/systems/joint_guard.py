@@ -157,21 +157,14 @@ class JointGuard(LeafSystem):
         return EventStatus.Succeeded()
 
     def _kinematics(self, q: bytes) -> tuple[FloatArray, float]:
-        """The nozzle's Jacobian (6, 7) in W, and the condition number of that in E."""
-        J_W, J_E = self._jacobians(np.frombuffer(q))
-        return J_W, condition_number(J_E)
-
-    def _jacobians(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The nozzle's (6, 7) at q, in W and in E."""
+        """The nozzle's Jacobian (6, 7) in W, and its condition number."""
         plant, scratch, world = self._plant, self._scratch, self._world
-        plant.SetPositions(scratch, drake_vector(q))
+        plant.SetPositions(scratch, drake_vector(np.frombuffer(q)))
         J_W: Any = plant.CalcJacobianSpatialVelocity(
             scratch, JacobianWrtVariable.kV, self._frame, _ORIGIN, world, world
         )
         R_WE = self._frame.CalcRotationMatrixInWorld(scratch).matrix()
-        # Both parts, angular and of the tip, one after the other.
-        J_E = (R_WE.T @ J_W.reshape(2, 3, 7)).reshape(6, 7)
-        return np.ascontiguousarray(J_W), J_E
+        return np.ascontiguousarray(J_W), condition_number(J_W, R_WE)
 
     def _calc_command(self, context: Context, output: BasicVector) -> None:
         set_vector(output, self.last_tick(context).emitted.vector())

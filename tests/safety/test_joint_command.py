@@ -2,6 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.spatial.transform import Rotation
 
 from bath_drake.safety._joint_steps import singular_value_ratio, stoppable
 from bath_drake.safety.joint_command import (
@@ -11,6 +15,7 @@ from bath_drake.safety.joint_command import (
     check_joint_command,
     condition_number,
     retreat_step,
+    stopping_speeds,
 )
 from bath_drake.safety.limits import GuardLimits, retreat_way
 from bath_drake.safety.reasons import Reason
@@ -234,10 +239,35 @@ def test_at_a_singularity_a_retreat_stays_slow():
 def test_the_condition_number_leaves_the_turn_about_the_jet_out():
     J = np.eye(6, 7)
     J[2] *= 1e-6
-    assert condition_number(J) == pytest.approx(1.0)
+    assert condition_number(J, np.eye(3)) == pytest.approx(1.0)
     J[4] *= 0.1
-    assert condition_number(J) == pytest.approx(10.0)
-    assert np.isnan(condition_number(np.full((6, 7), np.inf)))
+    assert condition_number(J, np.eye(3)) == pytest.approx(10.0)
+    assert np.isnan(condition_number(np.full((6, 7), np.inf), np.eye(3)))
+    assert np.isnan(condition_number(J, np.full((3, 3), np.nan)))
+
+
+def test_a_joint_goes_no_faster_than_what_stops_at_either_end_of_its_range():
+    q = np.array([-1.0, -0.99, -0.5, 0.0, 0.9, 1.0, 1.1])
+    low, high, speed = JOINTS.low, JOINTS.high, np.full(7, 1.5)
+    speeds, inside = stopping_speeds(q, low, high, speed, 10.0, DT)
+    assert not inside
+    assert stopping_speeds([*q[:6].tolist(), 0.0], low, high, speed, 10.0, DT)[1]
+    for row, way in zip(speeds, (q - low, high - q), strict=True):
+        slow = row < speed
+        # One step at that speed, then the brake: the whole way, up to rounding.
+        gone = DT * row + row**2 / 20.0
+        np.testing.assert_allclose(gone[slow], np.maximum(way, 0.0)[slow], atol=1e-12)
+        assert (gone <= np.maximum(way, 0.0) + 1e-12).all()
+
+
+@given(turn=hnp.arrays(float, 3, elements=st.floats(-3.0, 3.0)))
+def test_the_condition_number_is_the_same_however_the_nozzle_lies_in_the_world(turn):
+    J_E = np.random.default_rng(1).normal(size=(6, 7))
+    R_WE = Rotation.from_rotvec(turn).as_matrix()
+    J_W = np.vstack([R_WE @ J_E[:3], R_WE @ J_E[3:]])
+    expected = np.linalg.cond(J_E[[0, 1, 3, 4, 5]])
+    # A dozen digits of numbers of order one.
+    assert condition_number(J_W, R_WE) == pytest.approx(expected, rel=1e-11)
 
 
 @pytest.mark.parametrize(
