@@ -19,6 +19,13 @@ _MAX_BYTES = 64 * 1024 * 1024
 # Of glTF's component types, those that positions and indices have in such a file.
 _TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
+# What would put the mesh elsewhere than its vertices say.
+_MOVING = {
+    "matrix": np.eye(4).ravel().tolist(),
+    "translation": [0.0, 0.0, 0.0],
+    "rotation": [0.0, 0.0, 0.0, 1.0],
+    "scale": [1.0, 1.0, 1.0],
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +72,10 @@ def read_part(path: Path) -> Part:
 
 
 def _part(gltf: dict[str, Any]) -> Part:
+    for node in gltf.get("nodes", []):
+        for name, nothing in _MOVING.items():
+            if node.get(name, nothing) != nothing:
+                raise ValueError(f"found a {name} at a node, allowed none")
     (mesh,) = gltf["meshes"]
     (primitive,) = mesh["primitives"]
     material = gltf["materials"][primitive["material"]]["pbrMetallicRoughness"]

@@ -44,6 +44,28 @@ def test_numbers_of_another_kind_are_refused(tmp_path, which, kind, message):
         read_part(written(tmp_path / "back.gltf", change))
 
 
+@pytest.mark.parametrize(
+    ("name", "values", "allowed"),
+    [
+        ("translation", [0.0, 0.1, 0.0], False),
+        ("rotation", [0.0, 1.0, 0.0, 0.0], False),
+        ("scale", [2.0, 2.0, 2.0], False),
+        ("matrix", (2.0 * np.eye(4)).ravel().tolist(), False),
+        ("translation", [0, 0, 0], True),
+        ("matrix", np.eye(4).ravel().tolist(), True),
+    ],
+)
+def test_a_node_that_would_move_the_mesh_is_refused(tmp_path, name, values, allowed):
+    path = written(
+        tmp_path / "back.gltf", lambda gltf: gltf["nodes"][0].update({name: values})
+    )
+    if allowed:
+        np.testing.assert_allclose(read_part(path).vertices, CORNERS)
+    else:
+        with pytest.raises(ScenarioError, match=f"found a {name} at a node"):
+            read_part(path)
+
+
 def test_a_nan_that_signals_is_refused_without_a_warning(tmp_path):
     def change(gltf):
         uri = gltf["buffers"][0]["uri"]
