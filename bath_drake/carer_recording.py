@@ -8,8 +8,8 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter
+from bath_drake.diagrams.recording import CarerFilm, build_recording
 from bath_drake.notation import FloatArray
-from bath_drake.recording_diagram import CarerFilm, build_recording
 from bath_drake.scenario import Scenario
 from bath_drake.scene.carer import MARKER_LABEL
 from bath_drake.simulation import Progress

@@ -10,8 +10,8 @@ from bath_drake.diagrams import build_reproduction
 from bath_drake.errors import RunFolderError
 from bath_drake.files import remove, write_atomically
 from bath_drake.learning.skill import Skill
-from bath_drake.meshcat_skin import BackPose, record_skin
-from bath_drake.meshcat_view import record_overlays, write_static_page
+from bath_drake.meshcat.skin import BackPose, record_skin
+from bath_drake.meshcat.view import record_overlays, write_static_page
 from bath_drake.report.page import write_report
 from bath_drake.scenario import Scenario, dump_scenario
 from bath_drake.simulation import Progress, run

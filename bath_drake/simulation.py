@@ -9,8 +9,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator, SimulatorStatus
 from pydrake.systems.framework import Context, Diagram
 
+from bath_drake.diagrams.logs import log_name, logged_ports
 from bath_drake.field.parameters import pack_field
-from bath_drake.log_diagram import log_name, logged_ports
 from bath_drake.notation import ByteArray, FloatArray
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.scenario import Scenario

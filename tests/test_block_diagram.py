@@ -6,9 +6,14 @@ import pytest
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import Adder, ConstantVectorSource, Integrator
 
-from bath_drake.block_diagram import draw_block_diagram, wiring_lines
 from bath_drake.cli import main
-from bath_drake.graph_layout import Connection, assign_layers, forward_order, spread
+from bath_drake.diagrams.block_diagram import draw_block_diagram, wiring_lines
+from bath_drake.diagrams.graph_layout import (
+    Connection,
+    assign_layers,
+    forward_order,
+    spread,
+)
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -11,8 +11,8 @@ from bath_drake import cli
 from bath_drake.carer_recording import SEEN, record_carer
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter
 from bath_drake.diagrams import build_reproduction
+from bath_drake.diagrams.recording import build_recording
 from bath_drake.errors import ScenarioError
-from bath_drake.recording_diagram import build_recording
 from bath_drake.scenario import load_scenario
 
 FRAMES = 7

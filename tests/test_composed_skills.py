@@ -13,7 +13,7 @@ from bath_drake.composition.certify import certify_chain
 from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout, chain_times
 from bath_drake.field.rollout import RolloutStatus
-from bath_drake.meshcat_view import (
+from bath_drake.meshcat.view import (
     ROOT,
     Overlay,
     overlays_of_run,

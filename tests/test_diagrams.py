@@ -7,12 +7,12 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import EventStatus
 from write_wiring import BUILDERS, RECORDS, made_up_skill, shipped_diagram, wiring_text
 
-from bath_drake.canonical_diagram import build_canonical_loop
 from bath_drake.composition.rollout import chain_rollout
+from bath_drake.diagrams.canonical import build_canonical_loop
+from bath_drake.diagrams.logs import log_name, logged_ports
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.field.rollout import RolloutStatus
 from bath_drake.learning.frechet import discrete_frechet
-from bath_drake.log_diagram import log_name, logged_ports
 from bath_drake.patient.people import load_person
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.perception.body_observation import BodyObservation

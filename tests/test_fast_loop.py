@@ -8,9 +8,9 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 from write_wiring import made_up_skill
 
-from bath_drake.block_diagram import connections
 from bath_drake.commands._options import run_and_report
 from bath_drake.diagrams import build_perception, build_reproduction
+from bath_drake.diagrams.block_diagram import connections
 from bath_drake.errors import ScenarioError
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.report.page import write_report

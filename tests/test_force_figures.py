@@ -8,12 +8,16 @@ import pytest
 from made_up_run import make_log, make_skill
 
 from bath_drake.control.approach import Phase
-from bath_drake.force_figures import force_figures, normal_force, stroke_samples
-from bath_drake.limit_checks import limit_checks
 from bath_drake.report.force_figure import draw_force
 from bath_drake.scenario import Limits, Scenario
 from bath_drake.scene.config import ArmConfig
 from bath_drake.verification import evaluate
+from bath_drake.verification.force_figures import (
+    force_figures,
+    normal_force,
+    stroke_samples,
+)
+from bath_drake.verification.limit_checks import limit_checks
 
 SET = 4.0
 NAMES = {

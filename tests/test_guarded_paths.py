@@ -3,7 +3,7 @@
 import pytest
 from write_wiring import BUILDERS, shipped_diagram
 
-from bath_drake.control_diagram import guard_limits
+from bath_drake.diagrams.control import guard_limits
 from bath_drake.scenario import ControlConfig, Scenario, load_scenario
 from bath_drake.systems._guard_facts import OPTIONAL_PORTS
 

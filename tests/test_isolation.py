@@ -12,9 +12,9 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import VectorLogSink
 from write_wiring import BUILDERS, made_up_skill, shipped_diagram
 
-from bath_drake import control_diagram, diagrams
-from bath_drake.block_diagram import connections
-from bath_drake.graph_layout import Connection
+from bath_drake.diagrams import control, reproduction
+from bath_drake.diagrams.block_diagram import connections
+from bath_drake.diagrams.graph_layout import Connection
 from bath_drake.scenario import load_scenario
 from bath_drake.systems.canonical_tracker import CanonicalTracker
 
@@ -45,8 +45,8 @@ def filmed_diagram(name):
         return shipped_diagram(name)
     scenario.perception.source = "camera"
     if name.endswith("_perception"):
-        return diagrams.build_perception(scenario)
-    return diagrams.build_reproduction(scenario, made_up_skill())
+        return reproduction.build_perception(scenario)
+    return reproduction.build_reproduction(scenario, made_up_skill())
 
 
 def logs_of(diagram):
@@ -216,7 +216,7 @@ class CheatingTracker(CanonicalTracker):
 
 
 def test_a_mis_wired_diagram_is_found(monkeypatch):
-    add_logs = diagrams.add_logs
+    add_logs = reproduction.add_logs
 
     def cheat(builder, scene, systems):
         builder.Connect(
@@ -225,10 +225,10 @@ def test_a_mis_wired_diagram_is_found(monkeypatch):
         )
         add_logs(builder, scene, systems)
 
-    monkeypatch.setattr(control_diagram, "CanonicalTracker", CheatingTracker)
-    monkeypatch.setattr(diagrams, "add_logs", cheat)
+    monkeypatch.setattr(control, "CanonicalTracker", CheatingTracker)
+    monkeypatch.setattr(reproduction, "add_logs", cheat)
     scenario = load_scenario("reproduction")
-    diagram = diagrams.build_reproduction(scenario, made_up_skill())
+    diagram = reproduction.build_reproduction(scenario, made_up_skill())
     found = leaks(connections(diagram), logs_of(diagram))
     wire = "patient_motion.body_pose -> canonical_tracker.body_pose"
     assert f"truth: {wire}" in found

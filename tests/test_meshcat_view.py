@@ -5,7 +5,7 @@ import pytest
 from pydrake.geometry import Meshcat
 
 from bath_drake.errors import RunFolderError
-from bath_drake.meshcat_view import (
+from bath_drake.meshcat.view import (
     ROOT,
     Overlay,
     draw_overlays,

@@ -10,7 +10,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
-from bath_drake.control_diagram import PLANNED_MARGIN
+from bath_drake.diagrams.control import PLANNED_MARGIN
 from bath_drake.patient.people import load_person, shipped_people
 from bath_drake.patient.skin import TrueSkin
 from bath_drake.reach.kinematics import condition_number
@@ -95,7 +95,7 @@ def check(name, stroke):
             plant=plant,
             home=q_home,
             posture=ArmConfig().posture,
-            # As in the loop (bath_drake.control_diagram).
+            # As in the loop (bath_drake.diagrams.control).
             joint_margin=GuardLimits().joints.margin + PLANNED_MARGIN,
         )
     )

@@ -5,8 +5,8 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from write_wiring import made_up_skill
 
-from bath_drake.block_diagram import wiring_lines
 from bath_drake.diagrams import build_reproduction
+from bath_drake.diagrams.block_diagram import wiring_lines
 from bath_drake.scenario import load_scenario
 
 

@@ -9,11 +9,11 @@ from pydrake.systems.analysis import Simulator
 from write_wiring import made_up_skill
 
 from bath_drake import cli
-from bath_drake.block_diagram import wiring_lines
 from bath_drake.demonstrations.rgbd.folder import open_rgbd
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter
 from bath_drake.diagrams import build_reproduction
-from bath_drake.recorded_perception import build_recorded_perception, perceive
+from bath_drake.diagrams.block_diagram import wiring_lines
+from bath_drake.diagrams.recorded_perception import build_recorded_perception, perceive
 from bath_drake.scenario import Scenario, load_scenario
 
 # The drawn camera looks along +y of W, level, from a metre high.

@@ -12,9 +12,9 @@ from pydrake.systems.sensors import ImageDepth32F, ImageRgba8U
 from test_diagrams import drive, rolled_out
 from write_wiring import shipped_diagram
 
-from bath_drake import diagrams
 from bath_drake.control.approach import Phase
 from bath_drake.control.certified_world import WorldVerdict
+from bath_drake.diagrams import build_reproduction, reproduction
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.learning.frechet import discrete_frechet
@@ -63,7 +63,7 @@ def judged(request):
         # The way round it is another one than was shown.
         scenario.limits.frechet_executed = None
     skill = shipped_skill(scenario)
-    log = run(diagrams.build_reproduction(scenario, skill), scenario)
+    log = run(build_reproduction(scenario, skill), scenario)
     return scenario, log, evaluate(log, scenario, skill)
 
 
@@ -186,7 +186,7 @@ def composed(request):
     if scenario.scene.wound is not None:
         scenario.limits.frechet_executed = None
     skill = composed_skill()
-    log = run(diagrams.build_reproduction(scenario, skill), scenario)
+    log = run(build_reproduction(scenario, skill), scenario)
     return scenario, log, evaluate(log, scenario, skill)
 
 
@@ -273,7 +273,7 @@ def test_a_skill_whose_world_traps_never_moves_the_arm():
     wall = ObstacleSet(np.array([[-0.3, 0.0, 0.03, 0.9, 0.0]]))
     field = NavigationField(skill.field.workspace, skill.field.goal, 10.0, wall)
     skill = with_branch(skill, field=field)
-    log = run(diagrams.build_reproduction(scenario, skill), scenario)
+    log = run(build_reproduction(scenario, skill), scenario)
     seen = log.time > 0.05
     assert (log.certificate_verdict[seen] == WorldVerdict.REFUTED).all()
     assert (log.guard_reason[seen] == Reason.WORLD_UNSOUND).all()
@@ -289,7 +289,7 @@ def test_a_skill_whose_world_traps_never_moves_the_arm():
 @pytest.mark.slow
 @pytest.mark.render
 def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
-    add_scene = diagrams.add_scene
+    add_scene = reproduction.add_scene
 
     def add_shuttered_scene(builder, config, **choices):
         scene = add_scene(builder, config, **choices)
@@ -301,11 +301,11 @@ def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
             builder.Connect(port, shutter.GetInputPort(name))
         return replace(scene, camera=ShutteredCamera(shutter))
 
-    monkeypatch.setattr(diagrams, "add_scene", add_shuttered_scene)
+    monkeypatch.setattr(reproduction, "add_scene", add_shuttered_scene)
     scenario = load_scenario("reproduction")
     scenario.duration = DARK_FROM_S + 2.0
     skill = shipped_skill(scenario)
-    log = run(diagrams.build_reproduction(scenario, skill), scenario)
+    log = run(build_reproduction(scenario, skill), scenario)
     assert log.outcome == "TIMED_OUT"
     assert log.guard_counts[Reason.FRAME_INVALID] == 1
 

@@ -5,10 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bath_drake import control_diagram
 from bath_drake.control.approach import Phase
-from bath_drake.diagrams import build_reproduction
-from bath_drake.force_figures import normal_force, stroke_samples
+from bath_drake.diagrams import build_reproduction, control
 from bath_drake.patient.motion import DepartureConfig
 from bath_drake.patient.people import shipped_people
 from bath_drake.safety.reasons import Mode, Reason
@@ -16,6 +14,7 @@ from bath_drake.scenario import find_skill, load_scenario
 from bath_drake.simulation import run
 from bath_drake.skill_file import load_skill
 from bath_drake.verification import evaluate
+from bath_drake.verification.force_figures import normal_force, stroke_samples
 
 
 def washed(scenario):
@@ -114,13 +113,13 @@ def test_skin_that_comes_nearer_makes_the_guard_retreat_below_its_force_limit():
 
 @pytest.mark.slow
 def test_force_alone_makes_the_guard_retreat_as_well(monkeypatch):
-    limits = control_diagram.guard_limits
+    limits = control.guard_limits
 
     def without_clearance(scenario):
         found = limits(scenario)
         return replace(found, nozzle=replace(found.nozzle, clearance=0.0))
 
-    monkeypatch.setattr(control_diagram, "guard_limits", without_clearance)
+    monkeypatch.setattr(control, "guard_limits", without_clearance)
     log, first = shoved(0.3)
     size = np.linalg.norm(log.measured_wrench[:, 3:], axis=1)
     felt = log.time[np.argmax(size > 15.0)]

@@ -7,13 +7,13 @@ from dataclasses import replace
 from made_up_run import make_skill
 from pydrake.systems.framework import Diagram
 
-from bath_drake.block_diagram import wiring_lines
-from bath_drake.canonical_diagram import build_canonical_loop
 from bath_drake.diagrams import (
     build_perception,
     build_reproduction,
 )
-from bath_drake.recording_diagram import build_recording
+from bath_drake.diagrams.block_diagram import wiring_lines
+from bath_drake.diagrams.canonical import build_canonical_loop
+from bath_drake.diagrams.recording import build_recording
 from bath_drake.resources import diagrams_folder
 from bath_drake.scenario import Scenario, find_skill, load_scenario
 from bath_drake.skill_file import load_skill

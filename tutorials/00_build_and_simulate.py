@@ -11,9 +11,9 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from bath_drake.block_diagram import wiring_lines
 from bath_drake.control.approach import Phase
 from bath_drake.diagrams import build_reproduction
+from bath_drake.diagrams.block_diagram import wiring_lines
 from bath_drake.field.navigation import phi
 from bath_drake.scenario import find_skill, load_scenario
 from bath_drake.simulation import run

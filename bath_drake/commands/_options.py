@@ -11,11 +11,11 @@ from tqdm import tqdm
 
 from bath_drake.carer_recording import record_carer
 from bath_drake.demonstrations.rgbd.writer import RgbdWriter, check_recording_output
+from bath_drake.diagrams.recording import build_recording
 from bath_drake.errors import ScenarioError
 from bath_drake.folder_lock import locked
 from bath_drake.learning.skill import Skill
 from bath_drake.reach.precheck import reachability
-from bath_drake.recording_diagram import build_recording
 from bath_drake.run_folder import (
     PAGE,
     REPORT,

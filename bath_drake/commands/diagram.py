@@ -14,11 +14,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Draws the scenario's Diagram, prints the file's path; returns 0."""
-    from bath_drake.block_diagram import draw_block_diagram
     from bath_drake.diagrams import build_reproduction
+    from bath_drake.diagrams.block_diagram import draw_block_diagram
+    from bath_drake.diagrams.recording import build_recording
     from bath_drake.errors import ScenarioError
     from bath_drake.files import check_output, write_atomically
-    from bath_drake.recording_diagram import build_recording
     from bath_drake.scenario import find_scenario, load_scenario
     from bath_drake.strokes import scenario_skill
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from bath_drake.recorded_perception import PerceivedFrame
+    from bath_drake.diagrams.recorded_perception import PerceivedFrame
     from bath_drake.scenario import Scenario
 
 
@@ -46,9 +46,9 @@ def run(options: argparse.Namespace) -> int:
 
     from bath_drake.commands._progress import progress_bar
     from bath_drake.demonstrations.rgbd.folder import open_rgbd
+    from bath_drake.diagrams.recorded_perception import perceive
     from bath_drake.errors import DemonstrationError
     from bath_drake.files import check_output, write_atomically
-    from bath_drake.recorded_perception import perceive
 
     scenario = _scenario(options)
     if options.output is not None:

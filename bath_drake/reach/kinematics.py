@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bath_drake.control.avoidance import AvoidanceConfig
-from bath_drake.control_diagram import PLANNED_MARGIN, avoidance
+from bath_drake.diagrams.control import PLANNED_MARGIN, avoidance
 from bath_drake.notation import FloatArray
 from bath_drake.reach import _kernels
 from bath_drake.safety.arm_chain import ArmChain

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from bath_drake.control_diagram import guard_limits
+from bath_drake.diagrams.control import guard_limits
 from bath_drake.learning.skill import Skill
 from bath_drake.patient.people import load_person
 from bath_drake.reach.along_path import Manner, along

@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from bath_drake.force_figures import BAND, normal_force, stroke_samples
 from bath_drake.report import style
 from bath_drake.report.run_data import RunData
 from bath_drake.report.time_figures import mark_holds, shade_phases
+from bath_drake.verification.force_figures import BAND, normal_force, stroke_samples
 
 
 def draw_force(run: RunData) -> Figure | None:

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+from bath_drake.diagrams.perception import make_segmenter
 from bath_drake.errors import SegmenterError
 from bath_drake.perception.config import PerceptionConfig
 from bath_drake.perception.crop import boxed_pixels
@@ -14,7 +15,6 @@ from bath_drake.perception.onnx_segmenter import OnnxSegmenter
 from bath_drake.perception.region import Region, region_around
 from bath_drake.perception.segmentation import skin_mask
 from bath_drake.perception.segmenter import ClassicSegmenter, Picture
-from bath_drake.perception_diagram import make_segmenter
 from bath_drake.resources import models_folder
 from bath_drake.scenario import Scenario
 

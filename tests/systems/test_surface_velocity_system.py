@@ -9,13 +9,13 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
+from bath_drake.diagrams.wiring import connect
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.surface import fit_surface
 from bath_drake.perception.surface_velocity import VelocityFilter
 from bath_drake.systems.surface_reference import SurfaceReference
 from bath_drake.systems.surface_velocity import SurfaceVelocity
-from bath_drake.wiring import connect
 
 PERIOD = 1.0 / 30.0
 P_NQ = np.array([0.2, -0.1])

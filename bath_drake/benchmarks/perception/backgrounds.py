@@ -8,11 +8,11 @@ import numpy as np
 
 from bath_drake.benchmarks.figures import Figure, Progress, Report, Row
 from bath_drake.benchmarks.perception.filmed import BENDING, filmed, observed
+from bath_drake.diagrams.perception import make_segmenter
 from bath_drake.patient.motion import MotionConfig
 from bath_drake.patient.people import shipped_people
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.config import SEGMENTERS, PerceptionConfig
-from bath_drake.perception_diagram import make_segmenter
 from bath_drake.scenario import Scenario
 from bath_drake.scene.config import BACKGROUNDS
 

@@ -14,16 +14,17 @@ from pydrake.systems.primitives import (
     Demultiplexer,
 )
 
-from bath_drake.control_diagram import add_control
-from bath_drake.errors import ScenarioError
-from bath_drake.fault_diagram import add_faults
-from bath_drake.learning.skill import Skill
-from bath_drake.log_diagram import add_logs
-from bath_drake.perception_diagram import (
+from bath_drake.diagrams.control import add_control
+from bath_drake.diagrams.faults import add_faults
+from bath_drake.diagrams.logs import add_logs
+from bath_drake.diagrams.perception import (
     add_ideal_perception,
     add_perception,
     export_perception,
 )
+from bath_drake.diagrams.wiring import connect
+from bath_drake.errors import ScenarioError
+from bath_drake.learning.skill import Skill
 from bath_drake.scenario import Scenario
 from bath_drake.scene import (
     ArmGeometry,
@@ -44,7 +45,6 @@ from bath_drake.systems.contact_wrench import ContactWrench
 from bath_drake.systems.frame_recorder import WriteFrame
 from bath_drake.systems.guard_view import GuardView
 from bath_drake.systems.skin_view import DrawnPart, SkinView
-from bath_drake.wiring import connect
 
 # Who heeds what the camera saw, and when.
 _WATCHING = ("canonical_guard", "joint_guard")

@@ -18,22 +18,8 @@ from bath_drake.control.certified_world import (
 )
 from bath_drake.faults.expectation import judge_reaction
 from bath_drake.faults.touch import area_touches
-from bath_drake.force_figures import force_figures, normal_force
 from bath_drake.learning.frechet import discrete_frechet
 from bath_drake.learning.skill import Skill
-from bath_drake.limit_checks import fault_checks, limit_checks
-from bath_drake.log_figures import (
-    certificate_figures,
-    driven_world,
-    guard_seconds,
-    hold_counts,
-    least,
-    least_beta,
-    mean_max,
-    most,
-    nozzle_jerk,
-    stage_figures,
-)
 from bath_drake.notation import FloatArray, IntArray
 from bath_drake.patient.people import Person, load_person
 from bath_drake.patient.skin import TrueSkin
@@ -48,6 +34,20 @@ from bath_drake.scenario import Scenario
 from bath_drake.simulation_log import SimulationLog
 from bath_drake.strokes import is_strung, planned_strokes
 from bath_drake.systems._ports import drake_vector
+from bath_drake.verification.force_figures import force_figures, normal_force
+from bath_drake.verification.limit_checks import fault_checks, limit_checks
+from bath_drake.verification.log_figures import (
+    certificate_figures,
+    driven_world,
+    guard_seconds,
+    hold_counts,
+    least,
+    least_beta,
+    mean_max,
+    most,
+    nozzle_jerk,
+    stage_figures,
+)
 from bath_drake.washing.config import washing_tool
 from bath_drake.washing.outcome import WashOutcome, wash_outcome
 from bath_drake.washing.places import back_places

@@ -5,13 +5,13 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantValueSource
 
+from bath_drake.diagrams.wiring import connect
 from bath_drake.learning.skill import Skill
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.systems.canonical_reference import CanonicalReference
 from bath_drake.systems.navigation_controller import NavigationController
 from bath_drake.systems.stage_sequencer import StageSequencer
 from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
-from bath_drake.wiring import connect
 
 
 def build_canonical_loop(skill: Skill, *, speed: float = 0.3) -> Diagram:

@@ -8,6 +8,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.avoidance import AvoidanceConfig
+from bath_drake.diagrams.wiring import add_all, connect
 from bath_drake.learning.skill import Skill
 from bath_drake.safety.limits import GuardLimits, load_limits
 from bath_drake.scenario import Scenario, approach_limits, force_limits, loop_bounds
@@ -38,7 +39,6 @@ from bath_drake.systems.surface_reference import SurfaceReference
 from bath_drake.systems.surface_velocity import SurfaceVelocity
 from bath_drake.systems.virtual_obstacle_source import VirtualObstacleSource
 from bath_drake.systems.world_reconciler import WorldReconciler
-from bath_drake.wiring import add_all, connect
 
 # What is planned stays this much further from the guard's limits: rad, and a share.
 PLANNED_MARGIN, PLANNED_SHARE = 0.02, 0.8

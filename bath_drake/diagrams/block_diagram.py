@@ -15,7 +15,12 @@ from typing import Any
 import numpy as np
 from pydrake.systems.framework import Diagram
 
-from bath_drake.graph_layout import Connection, assign_layers, forward_order, spread
+from bath_drake.diagrams.graph_layout import (
+    Connection,
+    assign_layers,
+    forward_order,
+    spread,
+)
 
 _ROW, _TITLE, _PAD = 17, 28, 8
 _LETTER = 6.6  # width of a letter of a port's name, pixels

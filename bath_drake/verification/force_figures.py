@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from bath_drake.control.approach import Phase
-from bath_drake.log_figures import most
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.simulation_log import SimulationLog
+from bath_drake.verification.log_figures import most
 
 # N: so near to what is asked for the force is to be, nearly always.
 BAND = 2.0

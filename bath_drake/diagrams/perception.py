@@ -6,6 +6,7 @@ from typing import Any
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import DiagramBuilder
 
+from bath_drake.diagrams.wiring import add_all, connect
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.config import map_follower, segmentation
 from bath_drake.perception.neural_segmenter import NeuralSegmenter
@@ -22,7 +23,6 @@ from bath_drake.systems.ideal_areas import IdealAreas
 from bath_drake.systems.ideal_projector import IdealProjector
 from bath_drake.systems.ideal_segmenter import IdealSegmenter, Sight
 from bath_drake.systems.restricted_area_detector import RestrictedAreaDetector
-from bath_drake.wiring import add_all, connect
 
 
 def add_perception(

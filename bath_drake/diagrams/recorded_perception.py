@@ -10,16 +10,16 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from bath_drake.demonstrations.rgbd.folder import RgbdFolder
 from bath_drake.demonstrations.rgbd.writer import INTRINSICS
+from bath_drake.diagrams.perception import add_perception, export_perception
+from bath_drake.diagrams.wiring import connect
 from bath_drake.errors import DemonstrationError
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.perception_diagram import add_perception, export_perception
 from bath_drake.scenario import Scenario
 from bath_drake.systems._poses import at, rotation_from
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S
 from bath_drake.systems.rgbd_recording import RgbdRecording
-from bath_drake.wiring import connect
 
 # After the areas of the same frame.
 _LAG_S = 3.0 * FRAME_DELAY_S
