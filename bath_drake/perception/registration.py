@@ -33,6 +33,10 @@ WIDER = 8.0
 # surface alone lets it slide. Shift of a square metre, turn of a radian.
 SHIFT_PRIOR = 1e-3
 TURN_PRIOR = 1e-5
+# An outline so far off counts a quarter, m and rad: the robot hides skin at the rim, and
+# what is left has its middle elsewhere.
+SHIFT_TOLERANCE = 0.03
+TURN_TOLERANCE = 0.1
 
 # With less of the surface over known skin nothing is known; of a first frame, whose
 # skin is full of holes, some 0.4 is.
@@ -146,10 +150,13 @@ def _believe(
     """Adds what the outline tells: the turn about z, and the place in the plane."""
     turn = turn_vector(outline.R_WB.T @ pose.R_WB)
     shift = pose.R_WB.T @ (pose.p_WB - outline.p_WB)
+    away = float(np.hypot(shift[0], shift[1])) / SHIFT_TOLERANCE
+    placed = SHIFT_PRIOR / (1.0 + away**2) ** 2
+    turned = TURN_PRIOR / (1.0 + (turn[2] / TURN_TOLERANCE) ** 2) ** 2
     for k, weight, error in (
-        (2, TURN_PRIOR, turn[2]),
-        (3, SHIFT_PRIOR, shift[0]),
-        (4, SHIFT_PRIOR, shift[1]),
+        (2, turned, turn[2]),
+        (3, placed, shift[0]),
+        (4, placed, shift[1]),
     ):
         normal[k, k] += weight * total
         slope[k] += weight * total * error

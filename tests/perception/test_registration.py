@@ -87,6 +87,20 @@ def test_half_a_back_is_enough():
     assert agreement > 0.97
 
 
+@pytest.mark.parametrize("off", [0.03, 0.05, 0.1])
+def test_an_outline_that_lost_skin_to_the_robot_drags_nothing_along(off):
+    points = skin_points(hump=0.008)
+    points = points[(points[:, 0] < 0.06) & (points[:, 1] < 0.12)]
+    here = BodyPose(np.eye(3), np.zeros(3))
+    outline = BodyPose(np.eye(3), np.array([-off, -off, 0.0]))
+    smooth = known_skin(hump=0.008)
+    pose, _ = register(points, np.ones(len(points)), smooth, here, outline)
+    # A quarter of the nozzle's spot.
+    assert np.abs(pose.p_WB).max() < 7e-3
+    # A tenth of how far a back bends.
+    assert np.abs(pose.curvature).max() < 0.15
+
+
 def test_a_back_of_another_shape_agrees_less():
     points = skin_points(hump=-0.02)
     here = BodyPose(np.eye(3), np.zeros(3))
