@@ -33,8 +33,8 @@ WIDER = 8.0
 # surface alone lets it slide. Shift of a square metre, turn of a radian.
 SHIFT_PRIOR = 1e-3
 TURN_PRIOR = 1e-5
-# An outline so far off counts a quarter, m and rad: the robot hides skin at the rim, and
-# what is left has its middle elsewhere.
+# An outline so far off counts a quarter, m and rad: where the robot hides skin at the
+# rim, what is left has its middle elsewhere.
 SHIFT_TOLERANCE = 0.03
 TURN_TOLERANCE = 0.1
 
