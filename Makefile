@@ -4,7 +4,11 @@ PYTHON ?= python3
 # What `make test` leaves out; `make test MARKERS=` runs everything.
 MARKERS ?= not slow and not exhaustive and not peers
 # On all cores, a file's tests in one process: they share what is expensive to set up.
-PYTEST := -m pytest -n auto --maxprocesses 8 --dist loadfile
+# The files in the order of tests/conftest.py.
+PYTEST := -m pytest -n auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
+
+# The processes of a run shall not each compile all modules for themselves.
+export PYTHONDONTWRITEBYTECODE :=
 
 ifeq ($(PYTHON),python3)
 VENV := .venv
@@ -20,11 +24,11 @@ demo: $(READY)
 	$(BIN)/bath-drake demo
 
 test: $(READY)
-	$(MAKE) --no-print-directory --jobs 2 lint kernels
+	$(MAKE) --no-print-directory --jobs 2 kernels lint
 	$(BIN)/python $(PYTEST) -m "$(MARKERS)"
 
 # Each test process would compile them for itself, on a machine that never did.
-kernels: kernels-learning kernels-loop
+kernels: kernels-loop kernels-learning
 kernels-%: $(READY)
 	$(BIN)/python tests/compile_kernels.py $*
 

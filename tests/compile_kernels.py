@@ -31,11 +31,13 @@ def learn(folder: Path) -> None:
 
 def wash(folder: Path) -> None:
     """Proves a skill, sees a wound and begins to wash round it."""
-    main(["reach", "reproduction", "--out", str(folder)])
     scenario = load_scenario("restricted_area")
     scenario.duration = 0.2
-    skill = load_skill(find_skill(scenario.skill), renew=True)
-    run(build_reproduction(scenario, skill), scenario)
+    path = find_skill(scenario.skill)
+    # First, so that it is there when what was learned is to be proved.
+    main(["certify", str(path)])
+    main(["reach", "reproduction", "--out", str(folder)])
+    run(build_reproduction(scenario, load_skill(path)), scenario)
 
 
 PARTS = {"learning": learn, "loop": wash}

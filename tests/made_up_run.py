@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -65,13 +66,23 @@ def _pose_row(R, p):
 
 def demonstrate(scenario: Scenario):
     """Demonstrations, their frame and their mean."""
-    paths = [find_demonstration(name) for name in scenario.demonstrations]
+    return _demonstrated(tuple(scenario.demonstrations))
+
+
+@cache
+def _demonstrated(names: tuple[str, ...]):
+    paths = [find_demonstration(name) for name in names]
     demonstrations, frame = canonical_demonstrations([read_recording(p) for p in paths])
     return demonstrations, frame, arc_length_mean(demonstrations)
 
 
 def make_skill(scenario: Scenario) -> Skill:
-    demonstrations, frame, mean = demonstrate(scenario)
+    return _learned(tuple(scenario.demonstrations))
+
+
+@cache
+def _learned(names: tuple[str, ...]) -> Skill:
+    demonstrations, frame, mean = _demonstrated(names)
     field = NavigationField(
         workspace=Workspace(np.zeros(2), np.array([1.6, 1.6])),
         goal=mean[-1],

@@ -56,6 +56,7 @@ def test_a_composed_skill_is_proved_as_its_file_says(tmp_path, capsys):
         assert {"branch", "stage", "x", "y", "kind"} <= point.keys()
 
 
+@pytest.mark.slow
 def test_every_branch_of_a_skill_is_certified(tmp_path, capsys):
     path = saved(tmp_path, two_ways())
     certificate = tmp_path / "c.json"

@@ -132,6 +132,7 @@ def test_what_is_left_at_a_key_frame_is_the_chain_from_there(run):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unsaved_figures")
 def test_the_page_of_a_composed_skill_names_its_fields(run):
     text = write_report(run).read_text()
     assert "in 3 fields, followed in turn" in text

@@ -75,6 +75,7 @@ def rolled_out(skill):
     return result.path
 
 
+@pytest.mark.slow
 def test_the_canonical_loop_drives_the_path_of_the_rollout():
     # The deviation is Euler's, in proportion to the speed: at 0.15/s half of what it
     # is at the default. This path is long and turns back on itself (3 units of N).

@@ -142,6 +142,7 @@ def test_frames_that_are_not_taken_cannot_be_recorded(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unsaved_figures")
 def test_the_report_says_so(tmp_path):
     scenario = fast("restricted_area", duration=4.0)
     skill = load_skill(find_skill(scenario.skill))

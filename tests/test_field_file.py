@@ -42,7 +42,7 @@ def chains(draw):
     return Chain(tuple(stages), tuple(gates))
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.lists(chains(), min_size=1, max_size=3))
 def test_chains_come_back_from_text_to_the_last_bit(given_chains):
     text = dump_yaml({"field": chains_to_mapping(given_chains)})

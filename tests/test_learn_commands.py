@@ -150,6 +150,7 @@ def test_learning_prints_a_table_and_no_progress_in_a_pipe(arc, tmp_path, capsys
     assert output.exists()
 
 
+@pytest.mark.slow
 def test_cycles_are_learned_and_reproduced_on_top(tmp_path, capsys):
     scrubbing = models_folder() / "demonstrations" / "scrubbing_1.csv"
     output, path = tmp_path / "s.yaml", tmp_path / "path.csv"

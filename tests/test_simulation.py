@@ -303,7 +303,7 @@ def test_a_camera_that_goes_dark_makes_the_robot_stand_still(monkeypatch):
 
     monkeypatch.setattr(reproduction, "add_scene", add_shuttered_scene)
     scenario = load_scenario("reproduction")
-    scenario.duration = DARK_FROM_S + 2.0
+    scenario.duration = DARK_FROM_S + 1.0
     skill = shipped_skill(scenario)
     log = run(build_reproduction(scenario, skill), scenario)
     assert log.outcome == "TIMED_OUT"

@@ -107,7 +107,8 @@ def least_beta(
             free = evaluate(point(px), point(py), world, table)
             high = _least(table, 1) if free else 0.0
             if high <= 0.0:
-                where[:] = (px, px, py, py)
+                where[0] = where[1] = px
+                where[2] = where[3] = py
                 return NOT_FREE, 0.0, where, looked_at
             most = min(most, high)
         low = -math.inf
@@ -118,23 +119,23 @@ def least_beta(
         if low > 0.0 and low >= (1.0 - _SHARE) * most:
             if low < least:
                 least = low
-                where[:] = stack[top]
+                copy_box(stack[top], where)
             continue
         width = max(x[1] - x[0], y[1] - y[0])
         if looked_at >= budget or width <= resolution or top + 2 > _STACK:
             if low > 0.0:  # not as sharp as wanted, but proved
                 if low < least:
                     least = low
-                    where[:] = stack[top]
+                    copy_box(stack[top], where)
                 continue
-            where[:] = stack[top]
+            copy_box(stack[top], where)
             return STUCK, 0.0, where, looked_at
         halve(stack, top)
         if low <= 0.0 and _is_lower(stack[top], stack[top + 1], world, table):
             # The last is looked at first: where a point that is not free may be.
-            where[:] = stack[top]
-            stack[top] = stack[top + 1]
-            stack[top + 1] = where
+            copy_box(stack[top], where)
+            copy_box(stack[top + 1], stack[top])
+            copy_box(where, stack[top + 1])
         top += 2
     return FREE, least, where, looked_at
 
@@ -188,9 +189,16 @@ def put_hull(gate: FloatArray, out: FloatArray) -> None:
 
 
 @njit(cache=True, nogil=True)
+def copy_box(box: FloatArray, out: FloatArray) -> None:
+    """Copies a box: numba compiles an assignment to a slice for many seconds."""
+    for k in range(4):
+        out[k] = box[k]
+
+
+@njit(cache=True, nogil=True)
 def halve(stack: FloatArray, top: int) -> None:
     """Puts the halves of the box in row `top` into rows `top` and `top` + 1."""
-    stack[top + 1] = stack[top]
+    copy_box(stack[top], stack[top + 1])
     x = (stack[top, 0], stack[top, 1])
     y = (stack[top, 2], stack[top, 3])
     if x[1] - x[0] >= y[1] - y[0]:

@@ -7,6 +7,7 @@ from numba import njit
 
 from bath_drake.certificate.box_test import CONVEX, OPEN, SADDLE, box_test
 from bath_drake.certificate.evaluation import middle, new_table
+from bath_drake.certificate.half_disc import copy_box
 from bath_drake.certificate.intervals import Interval, above, below
 from bath_drake.certificate.isolation import (
     MINIMUM,
@@ -85,10 +86,10 @@ def subdivide(
                 continue
             if exhausted or width <= resolution or top + 2 > _STACK:
                 if n_left < _KEPT:
-                    left[n_left] = stack[top]
+                    copy_box(stack[top], left[n_left])
                 n_left += 1
                 continue
-            stack[top + 1] = stack[top]
+            copy_box(stack[top], stack[top + 1])
             if x[1] - x[0] >= y[1] - y[0]:
                 stack[top, 1] = middle(x)
                 stack[top + 1, 0] = stack[top, 1]

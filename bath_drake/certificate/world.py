@@ -129,18 +129,16 @@ def _enclose(theta: FloatArray, slack: FloatArray) -> FloatArray:
             b = widen(b, slack[i, 1])
         p = divide(point(1.0), square(a))
         r = divide(point(1.0), square(b))
-        rows[i, 0] = x
-        rows[i, 1] = y
-        if disc:
-            rows[i, 2] = p
-            rows[i, 3] = point(0.0)
-            rows[i, 4] = p
-            continue
-        cc = square(c)
-        ss = square(s)
-        rows[i, 2] = add(multiply(cc, p), multiply(ss, r))
-        rows[i, 3] = multiply(multiply(c, s), subtract(p, r))
-        rows[i, 4] = add(multiply(ss, p), multiply(cc, r))
+        xx, xy, yy = p, point(0.0), p
+        if not disc:
+            cc = square(c)
+            ss = square(s)
+            xx = add(multiply(cc, p), multiply(ss, r))
+            xy = multiply(multiply(c, s), subtract(p, r))
+            yy = add(multiply(ss, p), multiply(cc, r))
+        row = (x, y, xx, xy, yy)
+        for k in range(5):
+            rows[i, k, 0], rows[i, k, 1] = row[k]
     return rows
 
 

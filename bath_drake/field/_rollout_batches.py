@@ -228,7 +228,7 @@ def roll_outs(
     nowhere = np.zeros(5)  # no gate
     points = np.empty((64 * n if keep else 0, 2))
     used = 0
-    i = 0
+    i = min(0, n)  # for a literal, numba would compile `_abreast` once more
     while i < n:
         f = which[i]
         stop = i + 1

@@ -149,7 +149,10 @@ def _ln_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
 def _grad_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped-def]
     out = np.empty((q.shape[0], 2))
     for i in range(q.shape[0]):
-        out[i] = _kernels.grad_phi(q[i, 0], q[i, 1], workspace, gx, gy, kappa, forms)
+        x, y = q[i]
+        row = _kernels.grad_phi(x, y, workspace, gx, gy, kappa, forms)
+        for k in range(2):
+            out[i, k] = row[k]
     return out
 
 
@@ -158,7 +161,9 @@ def _hessian_phi(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped
     out = np.empty((q.shape[0], 3))
     for i in range(q.shape[0]):
         x, y = q[i]
-        out[i] = _kernels.hessian_phi(x, y, workspace, gx, gy, kappa, forms)
+        row = _kernels.hessian_phi(x, y, workspace, gx, gy, kappa, forms)
+        for k in range(3):
+            out[i, k] = row[k]
     return out
 
 
@@ -168,7 +173,9 @@ def _derivatives(q, workspace, gx, gy, kappa, forms):  # type: ignore[no-untyped
     for i in range(q.shape[0]):
         x, y = q[i]
         if _least_beta(x, y, workspace, forms) > 0.0 and not (x == gx and y == gy):
-            out[i] = _kernels.grad_hessian_psi(x, y, workspace, gx, gy, kappa, forms)
+            row = _kernels.grad_hessian_psi(x, y, workspace, gx, gy, kappa, forms)
+            for k in range(5):
+                out[i, k] = row[k]
     return out
 
 

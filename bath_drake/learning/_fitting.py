@@ -196,7 +196,8 @@ def fit(
         if not better:
             break
         slow = slow + 1 if cost - tried < 1e-3 * cost else 0
-        x[:] = trial
+        for p in range(size):
+            x[p] = trial[p]
         cost = tried
         damping = max(damping / _LESS, 1e-7)
         if slow >= 3:

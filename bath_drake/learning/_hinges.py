@@ -26,7 +26,8 @@ def member_forms(x: FloatArray) -> FloatArray:
     q = (x.shape[0] - 1) // 5
     theta = np.empty((q, 5))
     for i in range(q):
-        theta[i] = x[5 * i : 5 * i + 5]
+        for k in range(5):
+            theta[i, k] = x[5 * i + k]
         theta[i, 2] = math.exp(x[5 * i + 2])
         theta[i, 3] = math.exp(x[5 * i + 3])
     return quadratic_forms(theta, np.ones(q))
@@ -253,7 +254,8 @@ def hinges(
     for k in range(xs.shape[0]):
         forms = member_forms(xs[k])
         member_hinges(xs[k], forms, points, workspace, goal, margins, rows)
-        out[k] = rows[:, 0]
+        for n in range(count):
+            out[k, n] = rows[n, 0]
     return out
 
 

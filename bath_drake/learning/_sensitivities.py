@@ -36,7 +36,8 @@ def add_normal_equations(
     q = size // 5
     theta = np.empty((q, 5))
     for i in range(q):
-        theta[i] = member[5 * i : 5 * i + 5]
+        for k in range(5):
+            theta[i, k] = member[5 * i + k]
         theta[i, 2] = math.exp(theta[i, 2])
         theta[i, 3] = math.exp(theta[i, 3])
     rows = obstacle_rows(theta, np.ones(q))

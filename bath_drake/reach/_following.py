@@ -129,7 +129,8 @@ def follow(
             if not moving and (behind > _NEARER * before or step + 1 >= _PATIENCE):
                 break
             before = behind
-        positions[n] = q
+        for k in range(joints):
+            positions[n, k] = q[k]
         facts[n, CONDITION] = condition(J)
         facts[n, PLACE_ERROR] = np.sqrt(V[2] ** 2 + V[3] ** 2 + V[4] ** 2)
         facts[n, JET_ERROR] = np.sqrt(V[0] ** 2 + V[1] ** 2)

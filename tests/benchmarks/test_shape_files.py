@@ -3,7 +3,6 @@ import pytest
 from scipy.io import savemat
 
 from bath_drake.benchmarks.shape_files import lasa_shapes, stroke_shapes
-from bath_drake.demonstrations.strokes import STROKES
 from bath_drake.errors import BathDrakeError
 from bath_drake.resources import models_folder
 
@@ -90,15 +89,6 @@ def test_a_file_without_demonstrations_is_refused(tmp_path):
     write(tmp_path / "Angle.mat", demo())
     with pytest.raises(BathDrakeError, match="1 demonstrations, at least 2"):
         lasa_shapes(tmp_path)
-
-
-def test_all_shipped_strokes_are_shapes():
-    shapes = stroke_shapes(STROKE_FOLDER)
-    takes = {shape.name: len(shape.demonstrations) for shape in shapes}
-    assert takes == {stroke.name: stroke.takes for stroke in STROKES}
-    crossing = {shape.name for shape in shapes if shape.crosses_itself}
-    # Closed rounds may or may not meet their beginning.
-    assert crossing - {"circle", "oval"} == {"figure_eight", "loop", "loops", "ribbon"}
 
 
 def test_strokes_are_chosen_by_name():

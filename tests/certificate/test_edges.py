@@ -70,6 +70,7 @@ def _walk(seed: int, index: int) -> tuple[float, int]:
     return shares[1] - shares[0], looked_at
 
 
+@pytest.mark.slow
 def test_on_the_way_to_an_edge_no_verdict_is_false() -> None:
     # Traps of this line lie in a flat valley, past which roll-outs creep for long.
     width, looked_at = _walk(31, 1)

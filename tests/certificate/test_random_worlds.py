@@ -33,6 +33,7 @@ def _assert_complete(found: Certificate, field) -> None:
         assert nearest < 1e-9 * 5.0, root
 
 
+@pytest.mark.slow
 def test_no_random_world_gets_a_false_verdict() -> None:
     verdicts = _attack(seed=1, count=60, starts=30)
     # Both verdicts must occur often, or half of the claims go untested.

@@ -97,6 +97,7 @@ def test_the_same_stroke_on_two_bodies_is_one_in_canonical_space():
 # A denoising takes 5 ms, but more than 200 ms now and then on a busy machine.
 @settings(deadline=None, max_examples=15)
 @given(st.integers(0, 2**32 - 1))
+@pytest.mark.slow
 def test_without_a_box_a_turned_and_moved_recording_gives_the_same_shape(seed):
     rng = np.random.default_rng(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]

@@ -44,7 +44,7 @@ def last(seen, **options):
 
 @pytest.mark.slow
 @given(turn=VECTOR, shift=VECTOR)
-@settings(max_examples=20)
+@settings(max_examples=5)
 def test_it_converges_to_a_map_that_stays(turn, shift):
     seen = make_map(turn, shift, (0.02, -0.03))
     smooth = last([make_map()] + [seen] * 900).canonical_map

@@ -232,6 +232,7 @@ def test_a_nozzle_that_makes_way_for_a_link_but_little_is_told_and_not_refused()
     assert "(the nozzle up to " in line
 
 
+@pytest.mark.slow
 def test_a_base_from_which_no_link_is_in_the_way_is_told():
     scenario = load_scenario("other_arm")
     scenario.scene.person = "f_thin"
@@ -291,6 +292,7 @@ def test_a_base_too_far_away_is_told_with_the_part_the_cause_and_a_better_one():
     assert better["path_share"] > found.metrics()["path"]["share"]
 
 
+@pytest.mark.slow
 def test_the_floors_map_has_the_base_where_it_stands(back, body):
     plan = placement_map(ARM, back, STROKE, body, MANNER)
     assert plan.share.shape == (len(plan.y), len(plan.x))

@@ -91,8 +91,8 @@ def test_each_pixel_shows_what_its_ray_meets_first(corners):
 def test_the_floor_goes_on_below_and_behind_the_camera():
     y = 1.5
     floor = [
-        [[-90, y, -90], [90, y, -90], [90, y, 90]],
-        [[-90, y, -90], [90, y, 90], [-90, y, 90]],
+        [[-25, y, -25], [25, y, -25], [25, y, 25]],
+        [[-25, y, -25], [25, y, 25], [-25, y, 25]],
     ]
     for kind in ("still", "moving"):
         drawn = rasteriser(**{kind: [Surface(triangles(floor), GREY, 7)]})

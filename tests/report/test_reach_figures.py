@@ -68,6 +68,7 @@ def test_it_is_told_what_is_not_reached_and_from_where_it_would_be(found):
     assert "yaw 0.10, 100 % of the path would be reached" in second
 
 
+@pytest.mark.slow
 def test_the_verb_leaves_its_files_and_says_by_its_code_whether_all_is_reached(
     tmp_path, capsys
 ):

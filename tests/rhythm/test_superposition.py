@@ -50,17 +50,20 @@ def free(q, room):
     )
 
 
-def test_in_ten_thousand_worlds_the_sum_enters_nothing():
+@pytest.mark.parametrize(
+    "worlds", [2_000, pytest.param(10_000, marks=pytest.mark.exhaustive)]
+)
+def test_in_thousands_of_worlds_the_sum_enters_nothing(worlds):
     rng = np.random.default_rng(7)
     gave_way = 0
-    for _ in range(10_000):
+    for _ in range(worlds):
         (room, q), (cycle, rhythm) = random_room(rng), random_rhythm(rng)
         o = offset(cycle, rhythm, q, room)
         assert free(q + o, room), (cycle, rhythm, q, room)
         whole = cycle.offset(rhythm.phase) + rhythm.deviation
         gave_way += bool(np.linalg.norm(o) < 0.999 * np.linalg.norm(whole))
     # In most of the worlds the cycle has to, and not in all.
-    assert 5_000 < gave_way < 10_000
+    assert 0.5 * worlds < gave_way < worlds
 
 
 def walk(cycle, room, start, goal, speed=0.07, steps=6000, rhythm=None):

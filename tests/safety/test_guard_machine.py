@@ -4,6 +4,7 @@ from dataclasses import replace
 from math import hypot, inf, nan
 
 import numpy as np
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -400,8 +401,10 @@ def _clearance(point, areas):
 
 TestJointGuard = JointGuardMachine.TestCase
 TestJointGuard.settings = MANY
+TestJointGuard.pytestmark = [pytest.mark.slow]
 TestCanonicalGuard = CanonicalGuardMachine.TestCase
 TestCanonicalGuard.settings = MANY
+TestCanonicalGuard.pytestmark = [pytest.mark.slow]
 
 
 def test_a_state_of_the_guard_is_a_value_that_compares():

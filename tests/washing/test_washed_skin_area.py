@@ -133,6 +133,7 @@ def test_coverage_grows_with_time_and_footprint_and_is_never_more_than_one(
     assert max(found) <= 1.0
 
 
+@pytest.mark.slow
 def test_a_bending_back_is_washed_where_its_skin_goes(skin, places):
     jet = JetCone(half_angle=0.45, reach=0.15)
     still = washed_seconds(skin, places, REST, *nozzle(skin), jet)
