@@ -45,10 +45,11 @@ setup: $(READY)
 
 # The doctor needs nothing but the standard library: it installs missing system
 # libraries when it may, and otherwise prints the one line to run and exits 2.
+# What Python imports it compiles then; all the rest, a minute's worth, it never needs.
 $(READY): requirements.lock pyproject.toml
 	$(PYTHON) bath_drake/doctor.py --before-installation
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $(READY)
 

@@ -250,7 +250,8 @@ def _next_twist(
             4.0 * gain,
             dt,
         )
-        rows[0, part], rows[1, part] = row[:3], row[3:]
+        for k in range(3):
+            rows[0, first + k], rows[1, first + k] = row[k], row[3 + k]
     return rows
 
 
@@ -268,5 +269,6 @@ def _gentler(asked: FloatArray, done: FloatArray) -> FloatArray:
     chosen = asked.copy()
     for first in (0, 3):
         if _norm(done, first) < _norm(asked, first):
-            chosen[first : first + 3] = done[first : first + 3]
+            for k in range(first, first + 3):
+                chosen[k] = done[k]
     return chosen

@@ -67,11 +67,15 @@ def within(
     if speed <= bound:
         return twist
     # What a nozzle fixed to the skin would do.
+    turned = cross(skin[:3], p_ES)
     carried = skin.copy()
-    carried[3:] -= cross(skin[:3], p_ES)
+    for k in range(3):
+        carried[3 + k] -= turned[k]
     relative = twist - carried
+    straight = _part_along(p_ES, relative[3:])
     kept = carried + relative * (bound / speed)
-    kept[3:] += _part_along(p_ES, relative[3:]) * (1.0 - bound / speed)
+    for k in range(3):
+        kept[3 + k] += straight[k] * (1.0 - bound / speed)
     return kept
 
 

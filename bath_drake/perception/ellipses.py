@@ -52,7 +52,8 @@ def least_ellipse(points: FloatArray, tolerance: float = 1e-2) -> FloatArray:
 def _khachiyan_weights(points: FloatArray, tolerance: float) -> FloatArray:
     n = len(points)
     lifted = np.ones((n, 3))
-    lifted[:, :2] = points
+    for i in range(n):
+        lifted[i, 0], lifted[i, 1] = points[i, 0], points[i, 1]
     u = np.full(n, 1.0 / n)
     for _ in range(MAX_STEPS):
         inverse = np.linalg.inv(lifted.T @ (lifted * u.reshape(-1, 1)))

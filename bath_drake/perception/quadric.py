@@ -97,8 +97,10 @@ def fit_all(
                             near[count, 0], near[count, 1] = dx, dy
                             near[count, 2] = points[p, 2]
                             count += 1
-            fits[k] = fit_around(near[:count], radius)
-            if fits[k, 11] > 0.5:
+            fit = fit_around(near[:count], radius)
+            for i in range(FIT_SIZE):
+                fits[k, i] = fit[i]
+            if fit[11] > 0.5:
                 break
     return fits
 
@@ -174,17 +176,20 @@ def fit_quadric(near: FloatArray, radius: float) -> FloatArray:
     moments, sums, squares = _quadric_equations(near, R_PT, c, radius)
     # With the columns of the inverse that belong to the two slopes, in one go.
     wanted = np.zeros((6, 3))
-    wanted[:, 0], wanted[3, 1], wanted[4, 2] = sums, 1.0, 1.0
+    for i in range(6):
+        wanted[i, 0] = sums[i]
+    wanted[3, 1], wanted[4, 2] = 1.0, 1.0
     solved: FloatArray = np.asarray(np.linalg.solve(moments, wanted))
     k = solved[:, 0].copy()
     # Of a least-squares fit |b - A k|^2 = |b|^2 - k . A' b, up to rounding.
     residual = max(squares - np.dot(k, sums), 0.0) / len(near)
     p_TS, normal_T, curvatures = _meet(k, R_PT[2].copy())
     row = np.empty(FIT_SIZE)
-    row[:3] = R_PT @ (p_TS * radius)
+    p_P, normal_P = R_PT @ (p_TS * radius), R_PT @ normal_T
+    for i in range(3):
+        row[i], row[3 + i] = p_P[i], normal_P[i]
     row[2] += c
-    row[3:6] = R_PT @ normal_T
-    row[6:8] = curvatures / radius
+    row[6], row[7] = curvatures[0] / radius, curvatures[1] / radius
     row[8], row[9] = len(near), radius * np.sqrt(residual)
     row[10], row[11] = radius, 1.0
     spread = (solved[3, 1] + solved[4, 2]) * len(near)
@@ -305,8 +310,10 @@ def _tangent_axes(a: float, b: float) -> FloatArray:
     """Returns R_PT of the plane z = a x + b y, its normal last."""
     n = np.array([-a, -b, 1.0]) / np.sqrt(1.0 + a * a + b * b)
     x = np.array([1.0, 0.0, a]) / np.sqrt(1.0 + a * a)
+    y = cross(n, x)
     axes = np.empty((3, 3))
-    axes[:, 0], axes[:, 1], axes[:, 2] = x, cross(n, x), n
+    for i in range(3):
+        axes[i, 0], axes[i, 1], axes[i, 2] = x[i], y[i], n[i]
     return axes
 
 

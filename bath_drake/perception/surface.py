@@ -196,7 +196,9 @@ def _square_to(normal_W: FloatArray, up: FloatArray, roll: float) -> FloatArray:
     if length > 1e-6:
         x /= length
         x = np.cos(roll) * x + np.sin(roll) * cross(z, x)
-        R_WE[:, 0], R_WE[:, 1], R_WE[:, 2] = x, cross(z, x), z
+        y = cross(z, x)
+        for i in range(3):
+            R_WE[i, 0], R_WE[i, 1], R_WE[i, 2] = x[i], y[i], z[i]
     return R_WE
 
 

@@ -127,9 +127,13 @@ def link_frames(
 ) -> tuple[FloatArray, FloatArray]:
     """Returns axes (n + 1, 3, 3) and origins (n + 1, 3), m, of base and links in B."""
     R, p = np.empty((len(q) + 1, 3, 3)), np.empty((len(q) + 1, 3))
-    R[0], p[0] = np.eye(3), 0.0
+    for i in range(3):
+        p[0, i] = 0.0
+        for j in range(3):
+            R[0, i, j] = 1.0 if i == j else 0.0
     for k in range(len(q)):
-        p[k + 1] = p[k]
+        for i in range(3):
+            p[k + 1, i] = p[k, i]
         next_link(p[k + 1], R[k], R[k + 1], origins[k], turns[k], q[k])
     return R, p
 
