@@ -34,7 +34,13 @@ def fast(name, **changes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["bending", "pour", "coverage"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(pytest.param(k, marks=pytest.mark.exhaustive) for k in ("bending", "pour")),
+        "coverage",
+    ],
+)
 def test_the_run_passes_verification(name):
     scenario = fast(name)
     skill = scenario_skill(scenario)

@@ -38,7 +38,9 @@ def least_gap(log, scenario):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("watched", [False, True])
+@pytest.mark.parametrize(
+    "watched", [pytest.param(False, marks=pytest.mark.exhaustive), True]
+)
 def test_a_wrist_that_would_come_to_the_shoulder_is_kept_off(watched, monkeypatch):
     scenario = load_scenario("reproduction")
     scenario.perception.source = "ideal"

@@ -112,6 +112,7 @@ def test_skin_that_comes_nearer_makes_the_guard_retreat_below_its_force_limit():
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_force_alone_makes_the_guard_retreat_as_well(monkeypatch):
     limits = control.guard_limits
 

@@ -25,6 +25,7 @@ def test_the_block_is_filled_and_its_cells_agree_on_their_faces():
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_touched_skin_is_about_as_stiff_as_the_tissue_it_stands_for():
     figures = {f.name: f.value for f in run(lambda *_: None)}
     ratios = [v for k, v in figures.items() if k.endswith("ratio")]

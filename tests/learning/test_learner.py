@@ -170,7 +170,9 @@ def test_turned_moved_and_scaled_strokes_give_such_a_motion_of_one_field(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in (2, 3))]
+)
 def test_three_sinusoids_are_learned_to_three_hundredths(
     make_strokes: MakeStrokes, seed: int
 ) -> None:
@@ -207,7 +209,7 @@ def test_matched_first_guesses_beat_the_same_number_by_bends_alone(
         ("S", 0.04),
         # Many sharp bends on the way to the goal are the hard ones for one field.
         ("zigzag", 0.06),
-        ("two periods", 0.08),
+        pytest.param("two periods", 0.08, marks=pytest.mark.exhaustive),
     ],
 )
 def test_other_strokes_are_learned(

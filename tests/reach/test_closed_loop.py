@@ -50,9 +50,8 @@ def test_the_loops_condition_numbers_along_the_path_are_those_foretold(person):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "person", ["f_avg", pytest.param("f_thin", marks=pytest.mark.exhaustive)]
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("person", ["f_avg", "f_thin"])
 def test_the_loop_is_held_where_it_is_foretold_that_a_link_comes_too_near(person):
     scenario = load_scenario("other_arm")
     scenario.scene.person = person

@@ -233,6 +233,7 @@ def test_a_nozzle_that_makes_way_for_a_link_but_little_is_told_and_not_refused()
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_base_from_which_no_link_is_in_the_way_is_told():
     scenario = load_scenario("other_arm")
     scenario.scene.person = "f_thin"

@@ -143,6 +143,7 @@ def test_a_missing_or_damaged_file_is_named(copy, name):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("unsaved_figures")
 def test_a_run_that_never_washed_has_a_report_too(copy):
     log = SimulationLog.load(copy / "log.npz")
