@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from bath_drake.control.skin_speed import SKIN_SPEED, WashedPoint, within
-from bath_drake.control.smooth_twist import next_smooth_row
+from bath_drake.control.skin_speed import SKIN_SPEED, WashedPoint, within_skin_speed
+from bath_drake.control.smooth_twist import next_smooth
 from bath_drake.notation import FloatArray
 
 # Of a nozzle that washes nothing.
@@ -236,11 +236,11 @@ def _next_twist(
     towards = together(gain * error, angular[0], linear[0])
     wanted = limited(feed_forward + towards, angular[0], linear[0])
     if skin_speed < np.inf:
-        wanted = within(wanted, p_ES, skin, skin_speed)
+        wanted = within_skin_speed(wanted, p_ES, skin, skin_speed)
     rows = np.empty((2, 6))
     for first, bounds in ((0, angular), (3, linear)):
         part = slice(first, first + 3)
-        row = next_smooth_row(
+        row = next_smooth(
             previous[part],
             acceleration[part],
             wanted[part],

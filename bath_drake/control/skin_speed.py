@@ -7,7 +7,6 @@ too, the faster the farther away it is: noise in a normal of the skin moves it.
 import math
 from dataclasses import dataclass
 
-import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray
@@ -30,18 +29,22 @@ class WashedPoint:
     skin: FloatArray
 
 
-def along_skin(twist: FloatArray, washed: WashedPoint) -> FloatArray:
+@njit(cache=True)
+def along_skin(twist: FloatArray, p_ES_W: FloatArray, skin: FloatArray) -> FloatArray:
     """Returns the velocity (3,) of the washed point along the skin, m/s in W.
 
     Args:
         twist: (6,) spatial velocity of the nozzle E, rad/s and m/s in W.
-        washed: Where it washes.
+        p_ES_W: Of the `WashedPoint`.
+        skin: Likewise.
     """
-    return np.asarray(_along(_plain(twist), _plain(washed.p_ES_W), _plain(washed.skin)))
+    relative = cross(twist[:3], p_ES_W) + twist[3:] - skin[3:]
+    return relative - _part_along(p_ES_W, relative)
 
 
+@njit(cache=True)
 def within_skin_speed(
-    twist: FloatArray, washed: WashedPoint, bound: float = SKIN_SPEED
+    twist: FloatArray, p_ES_W: FloatArray, skin: FloatArray, bound: float
 ) -> FloatArray:
     """Returns the twist (6,) whose washed point goes along the skin within the bound.
 
@@ -51,38 +54,24 @@ def within_skin_speed(
 
     Args:
         twist: (6,) spatial velocity of the nozzle E, rad/s and m/s in W.
-        washed: Where it washes.
+        p_ES_W: Of the `WashedPoint`.
+        skin: Likewise.
         bound: m/s, greater than zero.
     """
-    skin = _plain(washed.skin)
-    return np.asarray(within(_plain(twist), _plain(washed.p_ES_W), skin, bound))
-
-
-@njit(cache=True)
-def within(
-    twist: FloatArray, p_ES: FloatArray, skin: FloatArray, bound: float
-) -> FloatArray:
-    """As `within_skin_speed`, of a `WashedPoint`'s numbers."""
-    speed = _length(_along(twist, p_ES, skin))
+    speed = _length(along_skin(twist, p_ES_W, skin))
     if speed <= bound:
         return twist
     # What a nozzle fixed to the skin would do.
-    turned = cross(skin[:3], p_ES)
+    turned = cross(skin[:3], p_ES_W)
     carried = skin.copy()
     for k in range(3):
         carried[3 + k] -= turned[k]
     relative = twist - carried
-    straight = _part_along(p_ES, relative[3:])
+    straight = _part_along(p_ES_W, relative[3:])
     kept = carried + relative * (bound / speed)
     for k in range(3):
         kept[3 + k] += straight[k] * (1.0 - bound / speed)
     return kept
-
-
-@njit(cache=True)
-def _along(twist: FloatArray, p_ES: FloatArray, skin: FloatArray) -> FloatArray:
-    relative = cross(twist[:3], p_ES) + twist[3:] - skin[3:]
-    return relative - _part_along(p_ES, relative)
 
 
 @njit(cache=True)
@@ -96,7 +85,3 @@ def _part_along(direction: FloatArray, vector: FloatArray) -> FloatArray:
 @njit(cache=True)
 def _length(vector: FloatArray) -> float:
     return math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
-
-
-def _plain(values: FloatArray) -> FloatArray:
-    return np.ascontiguousarray(values, dtype=np.float64)

@@ -15,40 +15,8 @@ from bath_drake.notation import FloatArray
 _HALVINGS = 4
 
 
-def next_smooth(
-    velocity: FloatArray,
-    acceleration: FloatArray,
-    wanted: FloatArray,
-    *,
-    bounds: tuple[float, float, float],
-    rate: float,
-    dt: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Returns velocity and acceleration (3,) one step later.
-
-    Args:
-        velocity: (3,) now.
-        acceleration: (3,) that led to it.
-        wanted: (3,) velocity to come to.
-        bounds: Of speed, acceleration and jerk (1/s of each other).
-        rate: What is wanted is approached with so much of the difference, 1/s.
-        dt: s.
-
-    A velocity beyond the speed's bound comes back within it; one within stays.
-    """
-    after = next_smooth_row(
-        np.ascontiguousarray(velocity, dtype=np.float64),
-        np.ascontiguousarray(acceleration, dtype=np.float64),
-        np.ascontiguousarray(wanted, dtype=np.float64),
-        *bounds,
-        rate,
-        dt,
-    )
-    return after[:3], after[3:]
-
-
 @njit(cache=True)
-def next_smooth_row(
+def next_smooth(
     v: FloatArray,
     a: FloatArray,
     wanted: FloatArray,
@@ -58,7 +26,20 @@ def next_smooth_row(
     rate: float,
     dt: float,
 ) -> FloatArray:
-    """As `next_smooth`: velocity and acceleration in one row (6,)."""
+    """Returns velocity and acceleration (3,) one step later, in one row (6,).
+
+    Args:
+        v: (3,) velocity now.
+        a: (3,) acceleration that led to it.
+        wanted: (3,) velocity to come to.
+        speed: Bound of the velocity.
+        most: Bound of the acceleration.
+        jerk: Bound of its change, 1/s.
+        rate: What is wanted is approached with so much of the difference, 1/s.
+        dt: s.
+
+    A velocity beyond the speed's bound comes back within it; one within stays.
+    """
     step = jerk * dt
     difference = np.sqrt(((wanted - v) ** 2).sum())
     # No more than can be run down before the wanted velocity is passed.

@@ -42,7 +42,7 @@ def draw_chain(figures: ChainFigures) -> str:
         (3, _MIDDLE, "Controller", "navigation function", figures.controller),
         (4, _MIDDLE, "Surface reference", "point and normal", figures.surface),
         (5, _MIDDLE, "Differential IK", "joint motion", figures.ik),
-        (6, _MIDDLE, "Guard", "checks each command", figures.guard),
+        (6, _MIDDLE, "Guard", "checks commands", figures.guard),
         (7, _MIDDLE, "Arm and nozzle", "Drake plant", figures.arm),
         (3, _TOP, "Virtual obstacles", "the learned skill", figures.obstacles),
         (2, _TOP, "Restricted areas", "seen by colour", figures.areas),

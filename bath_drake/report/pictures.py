@@ -190,7 +190,7 @@ def _add_reach_pictures(run: RunData, add: Any) -> None:
         "The back in canonical space, coloured by condition number and joint margin",
         "Where the arm gets on this back, with the person as twisted and leant as it "
         "ever is, and the path on it. "
-        + " ".join(line.partition(":")[2].strip() + "." for line in found.lines()),
+        + " ".join(_sentence(line.partition(":")[2]) for line in found.lines()),
     )
     add(
         "base",
@@ -232,3 +232,8 @@ def _add_camera_pictures(run: RunData, add: Any) -> None:
         "The map follows the person's motion; the path stays where it belongs on "
         "the back.",
     )
+
+
+def _sentence(words: str) -> str:
+    words = words.strip()
+    return f"{words[:1].upper()}{words[1:]}."

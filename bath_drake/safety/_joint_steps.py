@@ -47,7 +47,7 @@ def stoppable(way: Any, acceleration: Any, dt: float) -> Any:
 
 
 @compiled
-def both_ways(
+def stopping_speeds(
     q: FloatArray,
     low: FloatArray,
     high: FloatArray,
@@ -55,7 +55,20 @@ def both_ways(
     acceleration: float,
     dt: float,
 ) -> tuple[FloatArray, bool]:
-    """Speeds (2, n) down and up that stop in range, and whether all q are in it."""
+    """How fast each joint may go, so that after one more step it stops in its range.
+
+    Args:
+        q: (n,) positions, rad.
+        low: (n,) the range's lower ends, rad.
+        high: (n,) its upper ends, rad.
+        speed: (n,) speeds that none goes beyond, rad/s.
+        acceleration: rad/s^2.
+        dt: The step, s.
+
+    Returns:
+        Speeds (2, n) down and up, rad/s, zero beyond an end; and whether all positions
+        are within the range.
+    """
     speeds, inside = np.empty((2, len(q))), True
     for k in range(len(q)):
         inside = inside and low[k] <= q[k] <= high[k]

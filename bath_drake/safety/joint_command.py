@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.safety._joint_steps import (
-    both_ways,
     catching_up,
     followed_rows,
     is_small,
@@ -176,33 +175,6 @@ def condition_number(jacobian_W: ArrayLike, R_WE: ArrayLike) -> float:
     if not (_is_jacobian(J) and R.shape == (3, 3) and is_small(R)):
         return float("nan")
     return float(singular_value_ratio(followed_rows(J, R)))
-
-
-def stopping_speeds(
-    q: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-    speed: FloatArray,
-    acceleration: float,
-    dt: float,
-) -> tuple[FloatArray, bool]:
-    """How fast each joint may go, so that after one more step it stops in its range.
-
-    Args:
-        q: (7,) positions, rad.
-        low: (7,) the range's lower ends, rad.
-        high: (7,) its upper ends, rad.
-        speed: (7,) speeds that none goes beyond, rad/s.
-        acceleration: rad/s^2.
-        dt: The step, s.
-
-    Returns:
-        Speeds (2, 7) down and up, rad/s, both positive, zero beyond an end; and whether
-        all positions are within the range.
-    """
-    bounds = _plain(low), _plain(high), _plain(speed)
-    speeds, inside = both_ways(_plain(q), *bounds, acceleration, dt)
-    return speeds, bool(inside)
 
 
 def can_brake(

@@ -4,12 +4,12 @@ from math import isfinite
 from typing import Any
 
 from pydrake.common.value import Value
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context, InputPort, LeafSystem
 
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.safety.facts import LOST_TIME, GuardFacts
 from bath_drake.safety.reasons import Reason
-from bath_drake.systems._ports import OptionalPort, eval_value
+from bath_drake.systems._ports import eval_value, eval_vector
 
 # Optional ports and their sizes. Unconnected, nobody watches that.
 OPTIONAL_PORTS = {
@@ -43,8 +43,8 @@ class FactPorts:
         self._observation = system.DeclareAbstractInputPort(
             "body_observation", Value[object]()
         )
-        self._ports: dict[str, OptionalPort] = {
-            name: OptionalPort(system.DeclareVectorInputPort(name, size))
+        self._ports: dict[str, InputPort] = {
+            name: system.DeclareVectorInputPort(name, size)
             for name, size in OPTIONAL_PORTS.items()
         }
 
@@ -54,9 +54,9 @@ class FactPorts:
         now = context.get_time()
         found: dict[str, Any] = {}
         given = {
-            name: value.tolist()
+            name: eval_vector(port, context).tolist()
             for name, port in self._ports.items()
-            if (value := port.eval(context)) is not None
+            if port.HasValue(context)
         }
         for port, fact in (
             ("map_status", "map_believed"),

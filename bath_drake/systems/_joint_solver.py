@@ -20,7 +20,7 @@ from bath_drake.control.avoidance import (
 )
 from bath_drake.control.pose_tracking import across_jet
 from bath_drake.notation import FloatArray
-from bath_drake.safety.joint_command import stopping_speeds
+from bath_drake.safety._joint_steps import stopping_speeds
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
 
@@ -142,7 +142,7 @@ class JointSolver:
             limits = drake_vector(-speeds[0]), drake_vector(speeds[1])
             for parameters in (self._parameters, self._unbounded):
                 parameters.set_joint_velocity_limits(limits)
-        return inside
+        return bool(inside)
 
     def _off(self, v: FloatArray, v_last: FloatArray, rows: FloatArray) -> FloatArray:
         """Bends the null space of v (7,), and slows it, to keep the links off."""

@@ -49,31 +49,6 @@ def eval_scalar(port: InputPort, context: Context) -> float:
     return float(_eval(port, context)[0])
 
 
-class OptionalPort:
-    """A vector input port that may have no value.
-
-    Asking a port whether there is a value takes as long as evaluating it: one that had
-    a value once is evaluated at once.
-    """
-
-    def __init__(self, port: InputPort) -> None:
-        """Takes the port."""
-        self._port, self._had = port, False
-
-    def eval(self, context: Context) -> FloatArray | None:
-        """Returns the value, shape (size,), or None where there is none."""
-        if self._had:
-            try:
-                value: Any = self._port.Eval(context)
-            except RuntimeError:
-                if self._port.HasValue(context):
-                    raise
-                return None
-            return np.asarray(value, dtype=np.float64)
-        self._had = bool(self._port.HasValue(context))
-        return eval_vector(self._port, context) if self._had else None
-
-
 def drake_vector(value: Any) -> Any:
     """Returns `value` as the float array Drake takes.
 
