@@ -239,6 +239,25 @@ def test_a_move_without_proof_fails_and_a_hold_without_proof_does_not(perfect, s
         assert failed(replace(perfect, certificate_verdict=verdict), skill) == names
 
 
+def test_beta_is_told_of_the_washed_point_and_of_where_the_field_is_asked(
+    perfect, skill
+):
+    aside = np.array([[0.0, 0.8, 0.05, 0.05, 0.0]])
+    perfect = driven_in(perfect, skill.field.with_obstacles(ObstacleSet(aside)))
+    inside = aside[0, :2]
+    betas = []
+    for name in ("canonical_position", "canonical_reference"):
+        moved = getattr(perfect, name).copy()
+        moved[np.searchsorted(perfect.time, 10.0)] = inside
+        metrics = evaluate(replace(perfect, **{name: moved}), Scenario(), skill).metrics
+        betas.append((metrics["min_beta"], metrics["min_beta_reference"]))
+    (washed, free), (also_free, asked) = betas
+    # In the middle of an ellipse its beta is -1.
+    assert washed == pytest.approx(-1.0)
+    assert asked == pytest.approx(-1.0)
+    assert min(free, also_free) > 0.0
+
+
 def test_every_proof_of_the_run_is_counted_with_its_time(perfect, skill):
     certificate = evaluate(perfect, Scenario(), skill).metrics["certificate"]
     assert certificate["proofs"] == 2

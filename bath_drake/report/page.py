@@ -161,9 +161,10 @@ def _chain_figures(run: RunData) -> ChainFigures:
     stuck = m["holds"]["no_joint_solution"]
     held = sum(m["guard_s"].values())
     periodic = m.get("periodic")
-    beta = f"min β {number(m.get('min_beta'))}"
+    least = number(m.get("min_beta_reference", m.get("min_beta")))
+    beta = f"min β {least}"
     if periodic:
-        beta = f"β ≥ {number(m.get('min_beta'))}, {periodic['cycles']:.0f} cycles"
+        beta = f"β ≥ {least}, {periodic['cycles']:.0f} cycles"
     return ChainFigures(
         camera=f"{int(log.frames)} frames",
         camera_kind=_camera_kind(run.scenario),

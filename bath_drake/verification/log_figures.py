@@ -53,19 +53,26 @@ def _proof_times(log: SimulationLog) -> FloatArray:
     return np.asarray(known[fresh])
 
 
-def least_beta(log: SimulationLog, washing: IntArray) -> float | None:
-    """The least beta of all that was met at samples (n,) of the log; None of none."""
-    if not len(washing):
-        return None
+def least_betas(log: SimulationLog, washing: IntArray) -> dict[str, float | None]:
+    """The least beta of all that were met at samples (n,) of the log; None of none.
+
+    `min_beta` is the washed point's, which trails the reference and may cut a virtual
+    obstacle's corner; `min_beta_reference` that of where the field is asked.
+    """
     # Each point in the world that was driven in then.
     at = np.searchsorted(log.world_time, log.time[washing], side="right") - 1
     # Virtual obstacles shape the discrete motion; cycles on it may cross them.
-    points = (log.canonical_position - log.canonical_offset)[washing]
-    least = [
-        min_beta(points[at == k], unpack_field(log.worlds[k])).min()
-        for k in np.unique(at)
-    ]
-    return float(min(least))
+    followed = (log.canonical_position - log.canonical_offset)[washing]
+    worlds = {k: unpack_field(log.worlds[k]) for k in np.unique(at)}
+
+    def least_of(points: FloatArray) -> float | None:
+        met = [min_beta(points[at == k], world).min() for k, world in worlds.items()]
+        return float(min(met)) if met else None
+
+    return {
+        "min_beta": least_of(followed),
+        "min_beta_reference": least_of(log.canonical_reference[washing]),
+    }
 
 
 def guard_seconds(log: SimulationLog) -> dict[str, float]:
