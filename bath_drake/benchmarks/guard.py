@@ -135,6 +135,7 @@ def _timed(
             ("wrench", [now, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0 + 1e-3 * (k % 2)]),
             ("loop_seconds", [0.004]),
             ("robot_stamp", [now]),
+            ("following_error", [0.002]),
             ("reset", [0.0]),
             ("other_reason", [0.0]),
         ):

@@ -165,6 +165,7 @@ def add_control(
         (ik, "joint_command", [systems["obstacle_distance"]]),
         (systems["obstacle_distance"], "obstacle_distance", [guard]),
         (systems["arm_link"], "robot_stamp", [guard]),
+        (systems["arm_link"], "following_error", [guard]),
         (systems["arm_link"], "loop_seconds", [guard]),
         (systems["force_sensor"], "wrench", [guard]),
         (controller, "canonical_velocity", [systems["canonical_guard"]]),
@@ -193,6 +194,7 @@ def add_control(
         ),
         (systems["canonical_guard"], "present_reason", guard, "other_reason"),
         (guard, "checked_command", ik, "emitted_command"),
+        (guard, "checked_command", systems["arm_link"], "checked_command"),
     ):
         builder.Connect(source.GetOutputPort(port), sink.GetInputPort(name))
     _join_reference(builder, systems)

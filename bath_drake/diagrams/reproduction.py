@@ -243,7 +243,13 @@ def _close_loop(
         builder,
         perception["body_segmenter"],
         "body_observation",
-        [surface, *(control[name] for name in ("surface_velocity", *_WATCHING))],
+        [
+            surface,
+            *(
+                control[name]
+                for name in ("surface_velocity", "nozzle_clearance", *_WATCHING)
+            ),
+        ],
     )
     connect(
         builder,
@@ -273,7 +279,7 @@ def _close_loop(
         builder,
         perception["canonical_projector"],
         "recalled_skin",
-        [surface, control["surface_velocity"]],
+        [surface, control["surface_velocity"], control["nozzle_clearance"]],
     )
     guards = [control[name] for name in ("canonical_guard", "joint_guard")]
     for name, port in (

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bath_drake.notation import BoolArray, ByteArray, FloatArray, IntArray
+from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
 from bath_drake.perception.completion import BackTemplate
 from bath_drake.shared import Shared
@@ -46,6 +47,7 @@ class BodyObservation(Shared):
             infinite where it is found.
         R_WC: (3, 3) orientation of the camera in W.
         p_WC: (3,) position of the camera in W, metres.
+        camera: Whose image it is; None where there is none.
     """
 
     stamp: float = -np.inf
@@ -67,6 +69,7 @@ class BodyObservation(Shared):
     unfound_since: float = np.inf
     R_WC: FloatArray = field(default_factory=lambda: np.eye(3))
     p_WC: FloatArray = field(default_factory=lambda: _empty(3))
+    camera: PinholeCamera | None = None
 
     @property
     def hidden_share(self) -> float:

@@ -88,8 +88,8 @@ class MapFollower:
         elapsed = stamp - known.gate.accepted_at
         smooth = self.smoothing.next(known.smooth, newest, elapsed)
         recalled = RecalledSkin()
-        if body is not None and observation.robot_mask.any():
-            recalled = recall(body, observation.points_W)
+        if body is not None:
+            recalled = recall(body, observation)
         return FollowedMap(smooth, body, gate, stamp, recalled, known.rim)
 
     def _followed(

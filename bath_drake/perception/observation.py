@@ -142,6 +142,7 @@ def observe_body(
         unfound_since=np.inf if found else min(previous.unfound_since, stamp),
         R_WC=R_WC,
         p_WC=p_WC,
+        camera=camera,
     )
 
 

@@ -47,6 +47,7 @@ class GuardFacts:
         wrench_stamp: When it was measured, s.
         loop_seconds: What the last control tick took, s.
         robot_stamp: When the robot last answered, s.
+        following_error: The most that a joint is off what the guard emitted, rad.
         normal_W: Outward normal of the skin, unit, in W: the way to retreat.
         reset: The level of the operator's reset.
         reported: What another check says: that of the command, or another guard's.
@@ -74,6 +75,7 @@ class GuardFacts:
     wrench_stamp: float = 0.0
     loop_seconds: float = 0.0
     robot_stamp: float | None = None
+    following_error: float | None = None
     normal_W: Vector | None = None
     reset: bool = False
     reported: tuple[Reason, ...] = ()
@@ -163,6 +165,11 @@ def present_reasons(
             facts.robot_stamp is not None
             and not _fresh(facts.robot_stamp, facts.now, limits.loop.link_age),
             Reason.LINK_LOST,
+        ),
+        (
+            facts.following_error is not None
+            and not facts.following_error <= limits.joints.following,
+            Reason.ARM_ASTRAY,
         ),
     ):
         if bad:

@@ -56,6 +56,7 @@ class JointLimits:
     )
     acceleration: list[float] = field(default_factory=lambda: [10.0] * 7)  # rad/s^2
     jump: float = 0.05  # rad, between a command and what was last emitted
+    following: float = 0.02  # rad, of a joint off what was emitted
     self_distance: float = 0.03  # m
     obstacle_distance: float = 0.02  # m
     condition_slow: float = 17.0  # of the Jacobian
@@ -127,6 +128,7 @@ _RANGES: dict[str, dict[str, tuple[float, float | tuple[float, ...]]]] = {
         "velocity": (1e-3, _FASTEST),
         "acceleration": (1e-2, 10.0),
         "jump": (1e-3, 0.2),
+        "following": (1e-3, 0.05),
         "self_distance": (0.0, 0.5),
         "obstacle_distance": (0.0, 0.2),
         "condition_slow": (1.0, 1e4),

@@ -51,6 +51,7 @@ class Reason(IntEnum):
     FACT_NOT_FINITE = 31
     SKIN_NEAR = 32
     LINK_NEAR = 33
+    ARM_ASTRAY = 34
 
 
 @dataclass(frozen=True)
@@ -125,5 +126,6 @@ RESPONSES = MappingProxyType(
         Reason.LINK_NEAR: _holds_until_reset(
             "a link comes too near to the person, the stool or the pedestal"
         ),
+        Reason.ARM_ASTRAY: _stops("a joint is not where the guard has told it to be"),
     }
 )

@@ -27,6 +27,7 @@ OPTIONAL_PORTS = {
     "wrench": 7,  # stamp (s); torque (N m), force (N)
     "loop_seconds": 1,
     "robot_stamp": 1,  # s
+    "following_error": 1,  # rad
     "reset": 1,
     "other_reason": 1,  # a Reason of another guard
 }
@@ -75,6 +76,7 @@ class FactPorts:
             "nozzle_clearance",
             "loop_seconds",
             "robot_stamp",
+            "following_error",
         ):
             if fact in given:
                 (found[fact],) = given[fact]

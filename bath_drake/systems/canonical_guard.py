@@ -38,8 +38,8 @@ class CanonicalGuard(LeafSystem):
         - condition_number (optional)
         - frame_status, map_status, body_status, surface_status, surface_normal,
           world_status, ik_status, self_distance, obstacle_distance,
-          nozzle_clearance, command_stamp, wrench, loop_seconds, robot_stamp, reset,
-          other_reason (optional)
+          nozzle_clearance, command_stamp, wrench, loop_seconds, robot_stamp,
+          following_error, reset, other_reason (optional)
         output_ports:
         - checked_velocity
         - guard_mode

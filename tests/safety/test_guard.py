@@ -49,6 +49,8 @@ WRONG = [
     ({"loop_seconds": 0.011}, Reason.OVERRUN),
     ({"robot_stamp": -0.021}, Reason.LINK_LOST),
     ({"robot_stamp": nan}, Reason.LINK_LOST),
+    ({"following_error": 0.021}, Reason.ARM_ASTRAY),
+    ({"following_error": nan}, Reason.ARM_ASTRAY),
     ({"now": nan}, Reason.CLOCK),
     ({"body_speed": nan}, Reason.FACT_NOT_FINITE),
     ({"condition_number": nan}, Reason.FACT_NOT_FINITE),
@@ -305,6 +307,7 @@ numbers = st.floats(allow_nan=True, allow_infinity=True)
         wrench_stamp=numbers,
         loop_seconds=numbers,
         robot_stamp=st.none() | numbers,
+        following_error=st.none() | numbers,
     )
 )
 def test_whatever_is_measured_it_passes_only_what_is_well_in_every_point(facts):
@@ -326,3 +329,5 @@ def test_whatever_is_measured_it_passes_only_what_is_well_in_every_point(facts):
         assert np.isfinite(facts.wrench).all()
     if facts.robot_stamp is not None:
         assert facts.now - facts.robot_stamp <= LIMITS.loop.link_age + 1e-9
+    if facts.following_error is not None:
+        assert facts.following_error <= LIMITS.joints.following

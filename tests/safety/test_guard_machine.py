@@ -71,6 +71,7 @@ wrong_facts = st.fixed_dictionaries(
         "wrench_stamp": anything,
         "loop_seconds": anything,
         "robot_stamp": st.none() | anything,
+        "following_error": st.none() | anything,
         "normal_W": st.none() | st.tuples(*[anything] * 3),
         "frame_stamp": anything,
         "now": anything,

@@ -121,6 +121,18 @@ def test_the_link_answers_now_unless_the_state_is_no_number(known):
     assert out(link, context, "loop_seconds")[0] == 0.0
 
 
+@pytest.mark.parametrize("wrong", [0.0, -0.03, np.nan])
+def test_the_link_tells_how_far_a_joint_is_off_what_it_was_told(wrong):
+    link = ArmLink()
+    told = np.linspace(-1.0, 1.0, 14)
+    state = np.concatenate([told[:7], np.zeros(7)])
+    state[3] += wrong
+    simulator = alone(link, arm_state=state, checked_command=told)
+    (error,) = out(link, simulator.get_context(), "following_error")
+    # 1e-15: the sum's rounding.
+    np.testing.assert_allclose(error, abs(wrong), atol=1e-15)
+
+
 @pytest.mark.parametrize(
     "wrong", [{"seed": -1}, {"seed": 0, "period": 0.0}, {"seed": 0, "force_noise": 0}]
 )

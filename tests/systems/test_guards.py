@@ -59,6 +59,7 @@ WELL = {
     "wrench": [0.0, 0.1, 0.2, 0.3, 1.0, 2.0, 3.0],
     "loop_seconds": [0.004],
     "robot_stamp": [0.0],
+    "following_error": [0.005],
     "reset": [0.0],
     "other_reason": [float(Reason.NONE)],
 }
@@ -89,6 +90,8 @@ WRONG = [
     ("wrench", [nan, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], Reason.FORCE_SENSOR),
     ("loop_seconds", [0.02], Reason.OVERRUN),
     ("robot_stamp", [-1.0], Reason.LINK_LOST),
+    ("following_error", [0.03], Reason.ARM_ASTRAY),
+    ("following_error", [nan], Reason.ARM_ASTRAY),
     ("other_reason", [float(Reason.AREA_ENTERED)], Reason.AREA_ENTERED),
     ("other_reason", [0.5], Reason.FACT_NOT_FINITE),
     ("other_reason", [nan], Reason.FACT_NOT_FINITE),
