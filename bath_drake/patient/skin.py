@@ -42,6 +42,11 @@ class TrueSkin:
     triangles: IntArray | None = None
 
     @property
+    def vertices(self) -> FloatArray:
+        """The mesh's (n, 3) as they are, bent or at rest, m."""
+        return self._mesh[0]
+
+    @property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         person = self.person
         vertices = person.vertices if self.bent is None else self.bent

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from scipy.spatial import cKDTree
 
 from bath_drake.notation import BoolArray, FloatArray, IntArray
@@ -14,6 +15,8 @@ from bath_drake.patient.skin import TrueSkin
 # Of a bending person only the skin around the back is looked at, for it has to be
 # looked at anew at every sample: a nozzle that washes is nowhere near another, m.
 _AROUND_BACK_M = 0.15
+# And of that, first the skin around the nozzle alone; m.
+_AROUND_NOZZLE_M = 0.2
 
 # Skin slower than this (rms, m/s) is no measure of how it is followed.
 _TELLING_SPEED = 2e-3
@@ -74,17 +77,71 @@ def washed_skin(
     distance, normals, before = np.zeros(n), np.zeros((n, 3)), np.zeros(n)
     met, resting = np.zeros(n, dtype=bool), np.zeros((n, 3))
     for k in range(n):
-        now = TrueSkin(
-            person, bending.points(trunk_bend(float(time[k]), motion)), around
+        bent = bending.points(trunk_bend(float(time[k]), motion))
+        ends = np.stack([tips_M[k], tips_before_M[k]])
+        # To look at a skin once costs as much as it has triangles.
+        near = TrueSkin(
+            person, bent, _triangles_near(bent, around, ends[0], _AROUND_NOZZLE_M)
         )
-        one = slice(k, k + 1)
-        distance[one], _, normals[one] = now.nearest(tips_M[one])
-        before[one] = now.nearest(tips_before_M[one])[0]
-        corners, weights, met[one] = now.struck(tips_M[one], jets_M[one])
-        resting[k] = weights[0] @ person.vertices[corners[0]]
+        look = _look(near, ends, jets_M[k])
+        if not look.farthest <= 0.5 * _AROUND_NOZZLE_M:
+            look = _look(TrueSkin(person, bent, around), ends, jets_M[k])
+        (distance[k], before[k]), normals[k] = look.distances, look.normal
+        met[k] = look.met
+        resting[k] = look.weights @ person.vertices[look.corners]
     _, _, there = skin.nearest(resting[met])
     receded = _receded(before, distance)
     return WashedSkin(distance, normals, met, resting[met], there, receded)
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """What is found at one time: from the nozzle's tip and where it was before.
+
+    Attributes:
+        distances: (2,) of both from the nearest skin, m.
+        normal: (3,) of the skin nearest to the tip.
+        corners, weights: (3,) of the skin that the jet met.
+        met: Whether it met any.
+        farthest: How far off all of that is, m; not finite where the jet met nothing.
+    """
+
+    distances: FloatArray
+    normal: FloatArray
+    corners: IntArray
+    weights: FloatArray
+    met: bool
+    farthest: float
+
+
+def _look(skin: TrueSkin, ends_M: FloatArray, jet_M: FloatArray) -> _Look:
+    """Looks from the tip and from where it was before (2, 3), and along the jet (3,)."""
+    tip, along = ends_M[:1], jet_M[None]
+    distances, points, normals = skin.nearest(ends_M)
+    corners, weights, met = skin.struck(tip, along)
+    hit = weights[0] @ skin.vertices[corners[0]] if met[0] else np.full(3, np.inf)
+    away = np.linalg.norm(np.vstack([points, hit]) - tip, axis=1)
+    return _Look(
+        distances, normals[0], corners[0], weights[0], bool(met[0]), float(away.max())
+    )
+
+
+@njit(cache=True)
+def _triangles_near(
+    vertices: FloatArray, triangles: IntArray, p_MQ: FloatArray, reach: float
+) -> IntArray:
+    """Returns the triangles (k, 3) with a corner near a point (3,), or all of them."""
+    chosen = np.zeros(len(triangles), dtype=np.bool_)
+    for i in range(len(triangles)):
+        for corner in range(3):
+            squared = 0.0
+            for axis in range(3):
+                away = vertices[triangles[i, corner], axis] - p_MQ[axis]
+                squared += away * away
+            if squared <= reach * reach:
+                chosen[i] = True
+                break
+    return triangles[chosen] if chosen.any() else triangles
 
 
 def _receded(before: FloatArray, distance: FloatArray) -> FloatArray:
