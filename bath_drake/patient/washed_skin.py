@@ -115,7 +115,7 @@ class _Look:
 
 
 def _look(skin: TrueSkin, ends_M: FloatArray, jet_M: FloatArray) -> _Look:
-    """Looks from the tip and from where it was before (2, 3), and along the jet (3,)."""
+    """Looks from the tip and where it was before (2, 3), and along the jet (3,)."""
     tip, along = ends_M[:1], jet_M[None]
     distances, points, normals = skin.nearest(ends_M)
     corners, weights, met = skin.struck(tip, along)

@@ -62,6 +62,24 @@ def test_distance_and_normal_are_those_of_the_skin_as_it_was(washed):
     assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 3.0
 
 
+@pytest.mark.parametrize("off", [STANDOFF, 0.3])
+@pytest.mark.parametrize("turned", [1.0, -1.0], ids=["at the skin", "away"])
+def test_of_the_skin_near_the_nozzle_comes_what_comes_of_all(
+    skin, monkeypatch, off, turned
+):
+    places, _ = skin.under(np.array([[0.0, 0.0], [0.5, 0.4], [-0.6, 0.2], [0.2, -0.5]]))
+    _, _, normals = skin.nearest(places)
+    looked = skin, BENDING, TIMES, places + off * normals, -turned * normals
+    near = washed_skin(*looked)
+    # Nothing found is near enough to be believed then: all of the skin is looked at.
+    monkeypatch.setattr("bath_drake.patient.washed_skin._AROUND_NOZZLE_M", 0.0)
+    whole = washed_skin(*looked)
+    assert np.array_equal(near.met, whole.met)
+    # Single precision, and the same triangles in another order.
+    for part in ("distance", "normals", "resting", "receded"):
+        np.testing.assert_allclose(getattr(near, part), getattr(whole, part), atol=1e-6)
+
+
 def test_the_triangles_around_the_back_are_some_of_the_persons(skin):
     around = triangles_around_back(skin.person)
     assert 960 < len(around) < len(skin.person.triangles) / 2
