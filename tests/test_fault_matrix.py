@@ -20,7 +20,7 @@ from bath_drake.scenario import load_scenario
 
 PATHS = fault_scenarios()
 SCENARIOS = {path: load_scenario(path) for path in PATHS}
-ROWS = 36
+ROWS = 37
 
 
 def row(path: Path) -> int:

@@ -95,7 +95,7 @@ def test_what_the_guard_holds_is_held_where_it_is_planned(name):
 # An operator's reset has no source in simulation; the joint command is of this tick.
 UNWATCHED = {"reset", "command_stamp"}
 # With ideal perception there are no frames and no bodies to watch.
-UNSEEN = {"frame_status", "body_status"}
+UNSEEN = {"frame_status", "camera_status", "body_status"}
 
 
 def test_where_skin_is_touched_the_guard_and_the_regulator_feel_the_same_force():

@@ -122,6 +122,7 @@ def _timed(
         for name, value in (
             ("body_observation", dataclasses.replace(seen, stamp=now)),
             ("frame_status", [0.0, 0.0, 0.0]),
+            ("camera_status", [0.002]),
             ("map_status", [1.0]),
             ("body_status", [0.01, 1.0]),
             ("surface_status", [1.0]),

@@ -14,9 +14,11 @@ from bath_drake.perception.onnx_segmenter import OnnxSegmenter
 from bath_drake.perception.segmenter import ClassicSegmenter, Segmenter
 from bath_drake.perception.self_filter import RobotGeometry
 from bath_drake.resources import models_folder
+from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.scenario import Scenario
 from bath_drake.systems.body_monitor import BodyMonitor
 from bath_drake.systems.body_segmenter import BodySegmenter
+from bath_drake.systems.camera_monitor import CameraMonitor
 from bath_drake.systems.canonical_projector import CanonicalProjector
 from bath_drake.systems.frame_monitor import FrameMonitor
 from bath_drake.systems.ideal_areas import IdealAreas
@@ -33,6 +35,8 @@ def add_perception(
     X_WC: RigidTransform,
     robot: RobotGeometry | None,
     period: float,
+    arm: ArmChain | None = None,
+    X_WB: RigidTransform | None = None,
     watched: bool = False,
 ) -> dict[str, Any]:
     """Adds the systems and joins them; the inputs for images are left open.
@@ -44,7 +48,9 @@ def add_perception(
         X_WC: Where it stands.
         robot: What may hide the back; None where there is no robot.
         period: Between looks, s.
-        watched: Whether a guard wants to know of frames and bodies.
+        arm: The robot's chain of links, for whoever watches the camera by it.
+        X_WB: Pose of its base.
+        watched: Whether a guard wants to know of frames, bodies and the camera.
 
     Returns:
         The systems by name.
@@ -92,6 +98,13 @@ def add_perception(
         connect(builder, systems["body_segmenter"], "body_observation", [monitor])
         for port in ("canonical_map", "map_status"):
             connect(builder, systems["canonical_projector"], port, [monitor])
+    if watched and arm is not None and X_WB is not None:
+        sight = builder.AddNamedSystem(
+            "camera_monitor",
+            CameraMonitor(camera=camera, X_WC=X_WC, arm=arm, X_WB=X_WB, period=period),
+        )
+        connect(builder, systems["body_segmenter"], "body_observation", [sight])
+        systems["camera_monitor"] = sight
     projector = systems["canonical_projector"]
     detector = systems["restricted_area_detector"]
     connect(

@@ -32,6 +32,8 @@ from bath_drake.scene import (
     add_scene,
     home_position,
 )
+from bath_drake.scene.arm import base_pose
+from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.scene.sensing import (
     CameraPorts,
     add_camera_faults,
@@ -199,6 +201,8 @@ def _add_perception(
         X_WC=scene.X_WC,
         robot=ArmGeometry(scenario.scene.arm),
         period=period,
+        arm=arm_chain(scenario.scene.arm),
+        X_WB=base_pose(scenario.scene.arm),
         watched=watched,
     )
     split = builder.AddNamedSystem("arm_position", Demultiplexer([7, 7]))
@@ -226,6 +230,9 @@ def _add_perception(
             if port is not None:
                 builder.Connect(port, systems["frame_monitor"].GetInputPort(name))
         builder.Connect(come.depth, systems["body_monitor"].GetInputPort("depth_image"))
+        sight = systems["camera_monitor"]
+        builder.Connect(come.depth, sight.GetInputPort("depth_image"))
+        builder.Connect(come.arm_position or now, sight.GetInputPort("arm_position"))
     return systems
 
 
@@ -285,8 +292,9 @@ def _close_loop(
     for name, port in (
         ("frame_monitor", "frame_status"),
         ("body_monitor", "body_status"),
+        ("camera_monitor", "camera_status"),
     ):
-        # Ideal perception has neither: there are no frames, and one body.
+        # Ideal perception has none of them: there are no frames, and one body.
         if name in perception:
             connect(builder, perception[name], port, guards)
     if body_rim:

@@ -30,6 +30,7 @@ class GuardFacts:
         invalid_share: Of its pixels.
         frame_frozen: Whether the camera gives one frame again and again.
         frame_stamp_bad: Whether a frame's stamp went back or is none.
+        seen_through: Share of the arm's pixels that show what is behind it.
         body_found: Whether enough of the back is in sight.
         body_lost: Whether it has not been for longer than something passing by takes.
         map_believed: Whether the map is where a body can have come to.
@@ -58,6 +59,7 @@ class GuardFacts:
     invalid_share: float = 0.0
     frame_frozen: bool = False
     frame_stamp_bad: bool = False
+    seen_through: float = 0.0
     body_found: bool = True
     body_lost: bool = False
     map_believed: bool = True
@@ -200,6 +202,8 @@ def _frame_reasons(
         yield Reason.FRAME_INVALID
     if facts.frame_frozen:
         yield Reason.FRAME_FROZEN
+    if not facts.seen_through <= frames.seen_through:
+        yield Reason.CAMERA_ASTRAY
 
 
 def _force_reasons(

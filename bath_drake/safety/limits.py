@@ -42,6 +42,7 @@ class FrameLimits:
     hold_age: float = 0.1  # s
     retreat_age: float = 0.5  # s
     invalid_share: float = 0.3  # of the pixels
+    seen_through: float = 0.015  # of the arm's pixels
     body_speed: float = 0.12  # m/s
 
 
@@ -121,6 +122,7 @@ _RANGES: dict[str, dict[str, tuple[float, float | tuple[float, ...]]]] = {
         "hold_age": (0.01, 0.5),
         "retreat_age": (0.02, 2.0),
         "invalid_share": (0.0, 0.9),
+        "seen_through": (0.0, 0.2),
         "body_speed": (1e-3, 0.5),
     },
     "joints": {

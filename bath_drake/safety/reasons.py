@@ -52,6 +52,7 @@ class Reason(IntEnum):
     SKIN_NEAR = 32
     LINK_NEAR = 33
     ARM_ASTRAY = 34
+    CAMERA_ASTRAY = 35
 
 
 @dataclass(frozen=True)
@@ -127,5 +128,6 @@ RESPONSES = MappingProxyType(
             "a link comes too near to the person, the stool or the pedestal"
         ),
         Reason.ARM_ASTRAY: _stops("a joint is not where the guard has told it to be"),
+        Reason.CAMERA_ASTRAY: _holds("the camera sees through the arm: it was knocked"),
     }
 )

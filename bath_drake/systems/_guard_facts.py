@@ -14,6 +14,7 @@ from bath_drake.systems._ports import eval_value, eval_vector
 # Optional ports and their sizes. Unconnected, nobody watches that.
 OPTIONAL_PORTS = {
     "frame_status": 3,  # share of invalid pixels; 1 if frozen; 1 if stamps went back
+    "camera_status": 1,  # share of the arm's pixels that show what is behind it
     "map_status": 1,
     "body_status": 2,  # speed of the skin, m/s; how many people
     "surface_status": 1,
@@ -70,6 +71,8 @@ class FactPorts:
         # 0 is well there; NaN is not below one half either.
         if "ik_status" in given:
             found["joint_solution"] = given["ik_status"][0] < 0.5
+        if "camera_status" in given:
+            (found["seen_through"],) = given["camera_status"]
         for fact in (
             "self_distance",
             "obstacle_distance",

@@ -37,8 +37,8 @@ class JointGuard(LeafSystem):
         input_ports:
         - joint_command
         - body_observation
-        - frame_status, map_status, body_status, surface_status, surface_normal,
-          world_status, ik_status, self_distance, obstacle_distance,
+        - frame_status, camera_status, map_status, body_status, surface_status,
+          surface_normal, world_status, ik_status, self_distance, obstacle_distance,
           nozzle_clearance, command_stamp, wrench, loop_seconds, robot_stamp,
           following_error, reset, other_reason (optional)
         output_ports:

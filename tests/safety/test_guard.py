@@ -28,6 +28,8 @@ WRONG = [
     ({"frame_stamp": 0.02}, Reason.FRAME_STAMP),
     ({"frame_frozen": True}, Reason.FRAME_FROZEN),
     ({"frame_stamp_bad": True}, Reason.FRAME_STAMP),
+    ({"seen_through": 0.016}, Reason.CAMERA_ASTRAY),
+    ({"seen_through": nan}, Reason.CAMERA_ASTRAY),
     ({"body_found": False}, Reason.BODY_HIDDEN),
     ({"body_found": False, "body_lost": True}, Reason.BODY_LOST),
     ({"map_believed": False}, Reason.BODY_JUMPED),
@@ -296,6 +298,7 @@ numbers = st.floats(allow_nan=True, allow_infinity=True)
         now=numbers,
         frame_stamp=numbers,
         invalid_share=numbers,
+        seen_through=numbers,
         body_speed=numbers,
         bodies=st.integers(0, 3),
         condition_number=numbers,
@@ -322,6 +325,7 @@ def test_whatever_is_measured_it_passes_only_what_is_well_in_every_point(facts):
     assert facts.invalid_share <= LIMITS.frames.invalid_share
     assert facts.body_speed <= LIMITS.frames.body_speed
     assert facts.bodies == 1
+    assert facts.seen_through <= LIMITS.frames.seen_through
     assert facts.condition_number <= LIMITS.joints.condition_stop
     assert facts.command_age <= LIMITS.frames.hold_age + 1e-9
     if facts.wrench is not None:

@@ -54,6 +54,7 @@ wrong_facts = st.fixed_dictionaries(
         "invalid_share": anything,
         "frame_frozen": st.booleans(),
         "frame_stamp_bad": st.booleans(),
+        "seen_through": anything,
         "body_found": st.booleans(),
         "body_lost": st.booleans(),
         "map_believed": st.booleans(),

@@ -46,6 +46,7 @@ NORMAL = (0.0, -1.0, 0.0)
 # What every optional port says where all is well, but for what is only passed on.
 WELL = {
     "frame_status": [0.1, 0.0, 0.0],
+    "camera_status": [0.004],
     "map_status": [1.0],
     "body_status": [0.01, 1.0],
     "surface_status": [1.0],
@@ -71,6 +72,8 @@ WRONG = [
     ("frame_status", [0.0, nan, 0.0], Reason.FRAME_FROZEN),
     ("frame_status", [0.0, 0.0, 1.0], Reason.FRAME_STAMP),
     ("frame_status", [0.0, 0.0, nan], Reason.FRAME_STAMP),
+    ("camera_status", [0.03], Reason.CAMERA_ASTRAY),
+    ("camera_status", [nan], Reason.CAMERA_ASTRAY),
     ("map_status", [0.0], Reason.BODY_JUMPED),
     ("map_status", [nan], Reason.BODY_JUMPED),
     ("body_status", [0.2, 1.0], Reason.BODY_FAST),
