@@ -48,7 +48,8 @@ class Settings:
         peers: Run other methods as well.
         hours: How long a benchmark of endurance runs.
         shapes: The shapes to run on, by name; none means all.
-        quick: A few seconds' effort for each thing learned, a worse fit.
+        quick: Less effort: seconds for each thing learned, a worse fit; washing
+            without camera and motors.
     """
 
     data: Path | None = None

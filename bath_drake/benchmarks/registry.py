@@ -107,7 +107,7 @@ def _touch(settings: Settings, progress: Progress) -> list[Figure]:
 def _washing(settings: Settings, progress: Progress) -> Report:
     from bath_drake.benchmarks.washing import run
 
-    return run(progress)
+    return run(settings, progress)
 
 
 def _soak(settings: Settings, progress: Progress) -> Report:
@@ -129,7 +129,7 @@ BENCHMARKS = {
     "faults": Benchmark(_faults),
     "loop": Benchmark(_loop),
     "touch": Benchmark(_touch),
-    "washing": Benchmark(_washing),
+    "washing": Benchmark(_washing, frozenset({"quick"})),
     "soak": Benchmark(_soak, frozenset({"hours", "data"})),
 }
 
