@@ -46,8 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help=f"a few seconds' effort a shape, without targets; or no camera and no motors "
-        f"({users('quick')})",
+        help="a few seconds' effort a shape, without targets; washing without camera "
+        f"and motors ({users('quick')})",
     )
 
 
