@@ -13,8 +13,8 @@ from bath_drake.notation import BoolArray, FloatArray
 from bath_drake.perception import morphology
 from bath_drake.shared import Shared
 
-# px: the silhouette holds a little more than the arm, and depth is vague at its rim.
-RIM = 5.0
+# m: hulls hold a little more than the arm. px: and depth is vague at its rim.
+RIM, LEAST_RIM = 0.013, 4.0
 # Fewer pixels of the arm than this say nothing.
 LEAST_PIXELS = 100
 # m: depth this much behind the arm's far side is not the arm's.
@@ -23,18 +23,35 @@ _BEHIND = 0.03
 _FRAMES, _STANDS = 3, 1.0
 
 
-def arm_core(robot_mask: BoolArray) -> BoolArray:
-    """Returns the pixels (H, W) that must show the arm or what is before it."""
+def rim_width(depth: FloatArray, robot_mask: BoolArray, focal: float) -> float:
+    """Returns how wide a silhouette's rim says nothing, px.
+
+    Args:
+        depth: (h, w) of some of the image's pixels, m.
+        robot_mask: (h, w) of them, the silhouette.
+        focal: The camera's focal length, px.
+    """
+    known = depth[robot_mask & np.isfinite(depth) & (depth > 0.0)]
+    return max(RIM * focal / float(np.median(known)), LEAST_RIM) if len(known) else 0.0
+
+
+def arm_core(robot_mask: BoolArray, rim: float) -> BoolArray:
+    """Returns the pixels (H, W) that must show the arm or what is before it.
+
+    Args:
+        robot_mask: (H, W) the arm's silhouette and a little more.
+        rim: Of what width it may be more, px.
+    """
     core = np.zeros_like(robot_mask)
     rows, columns = (np.flatnonzero(robot_mask.any(axis=k)) for k in (1, 0))
     if len(rows):
         # With what is around it: a rim is where the arm ends, not where the image does.
-        wide = int(np.ceil(RIM))
+        wide = int(np.ceil(rim))
         window = (
             slice(max(rows[0] - wide, 0), rows[-1] + wide + 1),
             slice(max(columns[0] - wide, 0), columns[-1] + wide + 1),
         )
-        core[window] = morphology.erode(robot_mask[window], RIM)
+        core[window] = morphology.erode(robot_mask[window], rim)
     return core
 
 

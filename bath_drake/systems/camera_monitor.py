@@ -16,7 +16,7 @@ from pydrake.systems.framework import (
 from pydrake.systems.sensors import ImageDepth32F
 
 from bath_drake.notation import FloatArray
-from bath_drake.perception.arm_sight import ArmSight, arm_core, seen_through
+from bath_drake.perception.arm_sight import ArmSight, arm_core, rim_width, seen_through
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.safety.arm_chain import ArmChain
@@ -83,6 +83,7 @@ class CameraMonitor(LeafSystem):
         self._R_WC: FloatArray = np.array(X_WC.rotation().matrix())
         self._p_WC: FloatArray = np.array(X_WC.translation())
         self._rays = np.ascontiguousarray(camera.rays[::_STRIDE, ::_STRIDE])
+        self._focal = max(camera.fx, camera.fy)
         self._arm = arm
         self._R_WB: FloatArray = np.array(X_WB.rotation().matrix())
         self._p_WB: FloatArray = np.array(X_WB.translation())
@@ -117,7 +118,9 @@ class CameraMonitor(LeafSystem):
         stamp = observation.stamp
         if not np.isfinite(stamp) or (sight.frames and stamp <= sight.frames[-1][0]):
             return EventStatus.DidNothing()
-        core = arm_core(observation.robot_mask)[::_STRIDE, ::_STRIDE]
+        mask = observation.robot_mask
+        rim = rim_width(sample.depth, mask[::_STRIDE, ::_STRIDE], self._focal)
+        core = arm_core(mask, rim)[::_STRIDE, ::_STRIDE]
         share = seen_through(
             sample.depth,
             self._rays,

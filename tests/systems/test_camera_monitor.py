@@ -9,7 +9,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.sensors import ImageDepth32F
 
-from bath_drake.perception.arm_sight import arm_core, seen_through
+from bath_drake.perception.arm_sight import arm_core, rim_width, seen_through
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.safety.self_distance import capsule_ends
 from bath_drake.scene.arm import base_pose, home_position
@@ -42,10 +42,12 @@ def frame(rng):
 
 def expected(depth, mask, q):
     ends = capsule_ends(q, CHAIN) @ X_WB.rotation().matrix().T + X_WB.translation()
+    small = depth[::4, ::4, 0].astype(np.float64)
+    rim = rim_width(small, mask[::4, ::4], CAMERA.fx)
     return seen_through(
-        depth[::4, ::4, 0].astype(np.float64),
+        small,
         np.ascontiguousarray(CAMERA.rays[::4, ::4]),
-        arm_core(mask)[::4, ::4],
+        arm_core(mask, rim)[::4, ::4],
         R_WC,
         p_WC,
         np.column_stack([ends.reshape(-1, 6), CHAIN.capsules[:, 7]]),
