@@ -30,8 +30,9 @@ HOURS = 8.0
 # Who is seen by the camera; the others are seven of the eight.
 THROUGH_THE_CAMERA = "m_avg"
 GROWTH_MB = 5.0
-# Kernels, meshes and caches are there after so many episodes.
-WARM_UP = 3
+# Kernels, meshes and caches are there after so many episodes in which most passed: one
+# that is held all the while needs few of them.
+WARM_UP, MOST = 3, 0.5
 
 
 def run(settings: Settings, progress: Progress) -> Report:
@@ -120,11 +121,12 @@ def _kept(folder: Path | None, person: str) -> Iterator[Episode]:
 
 def largest_growth(episodes: list[Episode]) -> float:
     """Returns the most that a process grew by after its warm-up, MB; NaN of none."""
-    growths, warm = [], np.nan
+    growths, warm, washed = [], np.nan, 0
     for episode in episodes:
-        if episode.runs_before < WARM_UP:
-            warm = np.nan
-        elif episode.runs_before == WARM_UP:
+        if episode.runs_before == 0:
+            warm, washed = np.nan, 0
+        washed += episode.passed >= MOST
+        if washed > WARM_UP and np.isnan(warm):
             warm = episode.memory
         growths.append(episode.memory - warm)
     known = [growth for growth in growths if np.isfinite(growth)]

@@ -90,8 +90,6 @@ def check_body(
         # Something came before the back, or went: its box is another, it did not move.
         stamps, places, settled = (), (), stamp + SETTLING
     now = canonical_map.world_from_canonical(_PLACES)
-    if before.known is None:
-        settled = stamp
     stamps = (*stamps, stamp)[-SPEED_FRAMES - 1 :]
     places = (*places, now)[-SPEED_FRAMES - 1 :]
     filled = voxels > 0

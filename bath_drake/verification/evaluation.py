@@ -162,7 +162,10 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
     speed = _speed(time[met], hits)
     world = certify_world(driven_world(log), log.certified_start[-1])
     touched_at, made_up_entries = area_touches(
-        scenario.faults.areas, log.time, log.canonical_position
+        scenario.faults.areas,
+        log.time,
+        log.canonical_position,
+        log.phase >= Phase.DESCEND,
     )
     force = touched = None
     if scenario.scene.arm.fidelity == "contact":

@@ -122,6 +122,16 @@ def test_each_process_is_judged_by_its_own_growth():
     assert np.isnan(soak.largest_growth(first[:3]))
 
 
+def test_what_only_a_robot_that_moves_needs_is_no_growth():
+    # Held at first, it loads the kernels of washing with its fourth episode.
+    held = [made_up(k, memory=400.0, passed=0.0) for k in range(4)]
+    moves = [made_up(k, memory=412.0 + min(k - 4, 3)) for k in range(4, 10)]
+    assert np.isnan(soak.largest_growth(held))
+    assert soak.largest_growth(held + moves) == 0.0
+    moves.append(made_up(10, memory=417.0, passed=0.0))
+    assert soak.largest_growth(held + moves) == 2.0
+
+
 def test_an_entry_or_growth_misses_the_targets():
     well = soak.body_row("f_avg", [made_up(k) for k in range(6)])
     assert all(f.passed for f in soak.figures(60.0 / 3600.0, [well]))

@@ -13,7 +13,7 @@ from bath_drake.faults.script import (
     SignalFault,
     check_script,
 )
-from bath_drake.faults.touch import area_touches
+from bath_drake.faults.touch import REACTION_S, area_touches
 from bath_drake.perception.faults import within
 
 VALUE, HELD = np.array([1.0, 2.0, 3.0]), np.array([-1.0, -2.0, -3.0])
@@ -75,6 +75,26 @@ def test_being_overtaken_by_an_area_is_no_entry_but_going_in_is():
     stays = AreaFault(centre=[0.0, 0.0], semi_axes=[0.3, 0.3])
     assert area_touches([stays], time, walks)[1] == 1
     assert area_touches([], time, walks) == (None, 0)
+
+
+def test_what_appears_right_before_the_nozzle_is_entered_without_fault():
+    time = np.arange(0.0, 2.0, 0.01)
+    walks = np.column_stack([time - 1.0, np.zeros(200)])
+    for begin, entries in ((1.0 - REACTION_S - 0.02, 1), (1.0 - REACTION_S + 0.02, 0)):
+        wall = AreaFault(centre=[0.3, 0.0], semi_axes=[0.3, 0.3], begin=begin, end=1.5)
+        assert area_touches([wall], time, walks)[1] == entries
+
+
+def test_crossing_an_area_high_above_the_skin_is_no_entry():
+    time = np.arange(0.0, 2.0, 0.01)
+    walks = np.column_stack([time - 1.0, np.zeros(200)])
+    area = AreaFault(centre=[0.0, 0.0], semi_axes=[0.3, 0.3])
+    assert area_touches([area], time, walks, time > 0.5)[1] == 1
+    # On its way down into one it was in it already: the guard does not let it.
+    for down in (time < 0.0, time > 1.0, time < 0.5):
+        first, entries = area_touches([area], time, walks, down)
+        assert first == pytest.approx(0.71, abs=0.011)
+        assert entries == 0
 
 
 def test_to_drift_along_the_rim_of_an_area_that_leaves_is_no_entry():

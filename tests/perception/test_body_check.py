@@ -41,12 +41,17 @@ def after(frames):
 
 @pytest.mark.parametrize("speed", [0.0, 0.05, 0.3])
 def test_the_speed_is_that_of_the_map(speed):
-    frames = [(map_at(speed * k * FRAME), PERSON) for k in range(8)]
+    frames = [(map_at(speed * k * FRAME), PERSON) for k in range(24)]
     assert after(frames).speed == pytest.approx(speed, abs=1e-9)
 
 
+def test_the_first_map_is_still_on_its_way_and_no_moving_body():
+    jump = [(map_at(), PERSON)] + [(map_at(0.02), PERSON)] * 30
+    assert [after(jump[:k]).speed for k in range(1, 31)] == [0.0] * 30
+
+
 def test_a_push_is_seen_within_the_frames_of_the_window():
-    still = [(map_at(), PERSON)] * 5
+    still = [(map_at(), PERSON)] * 19
     pushed = [(map_at(0.3 * k * FRAME), PERSON) for k in range(1, SPEED_FRAMES + 1)]
     assert after(still).speed == 0.0
     assert after(still + pushed).speed == pytest.approx(0.3)
