@@ -64,7 +64,7 @@ def test_nothing_is_rendered_and_nobody_else_notices():
     eyes = {"camera", "scene_graph", "arm_position", "gravity_compensation"}
     eyes |= {"body_segmenter", "canonical_projector", "restricted_area_detector"}
     # Without frames there is nothing of them to watch.
-    watch = {"frame_monitor", "body_monitor"}
+    watch = {"frame_monitor", "body_monitor", "camera_monitor"}
 
     def rest(every):
         every = [w for w in every if w.source not in watch and w.target not in watch]

@@ -90,14 +90,16 @@ def test_faults_stand_between_the_camera_and_all_who_look_at_its_frames():
         "camera.color_image -> camera_faults.colour_image",
         "camera.depth_image_32f -> camera_faults.depth_image",
         "camera_faults.arm_position -> body_segmenter.arm_position",
+        "camera_faults.arm_position -> camera_monitor.arm_position",
         "camera_faults.colour_image -> body_segmenter.colour_image",
         "camera_faults.depth_image -> body_segmenter.depth_image",
         "camera_faults.depth_image -> body_monitor.depth_image",
+        "camera_faults.depth_image -> camera_monitor.depth_image",
         "camera_faults.depth_image -> frame_monitor.depth_image",
         "camera_faults.frame_stamp -> body_segmenter.frame_stamp",
         "camera_faults.frame_stamp -> frame_monitor.frame_stamp",
     }
-    assert len(plain - faulty) == 5
+    assert len(plain - faulty) == 7
 
 
 def test_colour_noise_is_one_more_system_on_its_way():

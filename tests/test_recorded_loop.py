@@ -57,10 +57,16 @@ def test_recorder_and_noise_add_their_own_wires_and_move_one(recorded):
         "camera.depth_image_32f -> depth_noise.depth_image",
         "depth_noise.noisy_depth_image -> body_monitor.depth_image",
         "depth_noise.noisy_depth_image -> body_segmenter.depth_image",
+        "depth_noise.noisy_depth_image -> camera_monitor.depth_image",
         "depth_noise.noisy_depth_image -> frame_monitor.depth_image",
         "depth_noise.noisy_depth_image -> frame_recorder.depth_image",
     }
     assert plain - noisy == {
         f"camera.depth_image_32f -> {taker}.depth_image"
-        for taker in ("body_monitor", "body_segmenter", "frame_monitor")
+        for taker in (
+            "body_monitor",
+            "body_segmenter",
+            "camera_monitor",
+            "frame_monitor",
+        )
     }
