@@ -13,7 +13,7 @@ import numpy as np
 
 from bath_drake.certificate.certify import certify, certify_from
 from bath_drake.certificate.result import Certificate
-from bath_drake.control.areas import make_room
+from bath_drake.control.areas import inflated, make_room
 from bath_drake.control.certified_world import RUN_TIME_BUDGET
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace, beta
@@ -24,6 +24,9 @@ from bath_drake.notation import FloatArray
 NEAR_ENOUGH = 0.05
 # The least beta_0 of a start or goal that is well within a rim.
 WELL_WITHIN = 0.1
+# A path nearer than this to an obstacle or the rim, in N, is taken only where there is
+# no other: the guard keeps a margin of its own, a third of it, and may hold there.
+CLEARANCE = 0.015
 # The smaller an area's exponent, the nearer to it the flow first feels it.
 _EXPONENTS = (1.0, 0.3)
 _KAPPA_FACTORS = (1.0, 2.0, 4.0)
@@ -117,7 +120,20 @@ def left_aside(learned: FloatArray, path: FloatArray, areas: ObstacleSet) -> flo
     return float(np.sqrt((offsets**2).sum(axis=2)).min(axis=1).mean())
 
 
-_Candidate = tuple[float, NavigationField, ObstacleSet, str]
+def skims(path: FloatArray, world: NavigationField) -> bool:
+    """Whether a path (n, 2) in N comes nearer than `CLEARANCE` to any boundary.
+
+    Where it begins, and where it ends, it may be near: no world would change that.
+    """
+    near = (beta(path, inflated(world.obstacles, CLEARANCE)) <= 0.0).any(axis=-1)
+    rim = world.workspace
+    share = 1.0 - CLEARANCE / float(rim.semi_axes.min())
+    near |= replace(rim, semi_axes=share * rim.semi_axes).beta(path) <= 0.0
+    (away,) = np.nonzero(~near)
+    return not len(away) or bool(near[away[0] : away[-1]].any())
+
+
+_Candidate = tuple[tuple[bool, float], NavigationField, ObstacleSet, str]
 
 
 def _candidates(
@@ -127,14 +143,17 @@ def _candidates(
 
     A roll-out costs a hundredth of a proof: it goes before. Worlds near enough count
     as equally near; among them the first tried, the one changed least, comes first.
+    Those whose motion skims something come last.
     """
     learned = rollout(start, field).path
     found: list[_Candidate] = []
     for virtual, sensed, changed in _worlds(field, areas):
-        path = rollout(start, virtual.with_obstacles(sensed))
+        world = virtual.with_obstacles(sensed)
+        path = rollout(start, world)
         if path.status is RolloutStatus.ARRIVED:
-            distance = left_aside(learned, path.path, areas)
-            found.append((max(distance, NEAR_ENOUGH), virtual, sensed, changed))
+            distance = max(left_aside(learned, path.path, areas), NEAR_ENOUGH)
+            rank = skims(path.path, world), distance
+            found.append((rank, virtual, sensed, changed))
     return sorted(found, key=lambda candidate: candidate[0])
 
 

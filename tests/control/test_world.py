@@ -7,10 +7,12 @@ from hypothesis import strategies as st
 
 from bath_drake.certificate.certify import certify_from
 from bath_drake.control.areas import GAP, contain, inflated, make_room
-from bath_drake.control.world import join_areas, left_aside
+from bath_drake.control.world import CLEARANCE, join_areas, left_aside, skims
 from bath_drake.field.navigation import NavigationField, min_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace, pair_gaps
 from bath_drake.field.rollout import RolloutStatus, rollout
+from bath_drake.scenario import find_skill
+from bath_drake.skill_file import load_skill
 
 START = np.array([-0.7, 0.0])
 FIELD = NavigationField(
@@ -136,3 +138,51 @@ def test_where_the_start_is_not_on_the_body_the_learned_rim_stays():
     outside = np.array([-0.7, 0.0])
     assert narrow.beta(outside) < 0.0
     assert join_areas(FIELD, NONE, outside, narrow).field == FIELD
+
+
+def past(distance, begin=-0.6, end=0.6):
+    """A straight path by a disc's boundary, at a distance from it, and that world."""
+    world = NavigationField(
+        Workspace(np.zeros(2), np.ones(2)),
+        np.array([end, 0.0]),
+        5.0,
+        area(0.0, -0.3 - distance, 0.3, 0.3, 0.0),
+    )
+    x = np.linspace(begin, end, 400)
+    return np.column_stack([x, np.zeros(400)]), world
+
+
+@pytest.mark.parametrize(("share", "expected"), [(1.05, False), (0.95, True)])
+def test_a_path_nearer_than_the_clearance_to_a_boundary_skims_it(share, expected):
+    assert skims(*past(share * CLEARANCE)) == expected
+    # A rim of radius one, along which a chord goes.
+    _, world = past(0.4)
+    turns = np.linspace(0.3, 2.0, 200)
+    round_it = (1.0 - share * CLEARANCE) * np.column_stack(
+        [np.cos(turns), np.sin(turns)]
+    )
+    inwards = np.linspace(0.2, 1.0, 50)[:, None] * round_it[0]
+    way = np.vstack(
+        [inwards, round_it, round_it[-1] * np.linspace(1.0, 0.2, 50)[:, None]]
+    )
+    assert skims(way, world) == expected
+
+
+def test_where_a_path_begins_and_ends_it_may_be_near():
+    assert not skims(*past(0.001, begin=0.0))
+    assert not skims(*past(0.001, end=0.0))
+    assert skims(*past(0.001, begin=0.0, end=0.01))
+
+
+def test_of_sound_worlds_one_is_taken_that_leaves_the_guard_its_margin():
+    # The nearest to the learned path goes between both areas 0.005 N from one of them:
+    # the guard held there for good.
+    skill = load_skill(find_skill("scrubbing.yaml"))
+    areas = area(-0.006, 0.425, 0.327, 0.228, 0.004) + area(
+        0.113, -0.487, 0.349, 0.282, 0.011
+    )
+    world = join_areas(skill.chain.fields[0], areas, skill.start)
+    assert world.certificate.passed
+    path = rollout(skill.start, world.field)
+    assert path.status is RolloutStatus.ARRIVED
+    assert not skims(path.path, world.field)
