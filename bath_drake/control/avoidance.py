@@ -22,12 +22,15 @@ class AvoidanceConfig:
     Attributes:
         stop: No link comes nearer of itself than this, m.
         near: Links nearer than this are pushed away, m.
+        self_stop: As `stop`, of links from each other; they are pushed away as far
+            before it as from `stop` to `near`.
         gain: Speed for each metre within `near`, and for each off `stop`, 1/s.
         push: No joint is pushed faster than this, rad/s.
     """
 
     stop: float = 0.025
     near: float = 0.07
+    self_stop: float = 0.04
     gain: float = 5.0
     push: float = 0.5
 

@@ -231,7 +231,11 @@ def avoidance(limits: GuardLimits) -> AvoidanceConfig:
     It stops before the guard does, and begins to avoid well before that.
     """
     stop = limits.joints.obstacle_distance + PLANNED_DISTANCE
-    return AvoidanceConfig(stop=stop, near=stop + AVOIDED_WITHIN)
+    return AvoidanceConfig(
+        stop=stop,
+        near=stop + AVOIDED_WITHIN,
+        self_stop=limits.joints.self_distance + PLANNED_DISTANCE,
+    )
 
 
 def _joint_guard(arm: Any, scenario: Scenario, limits: GuardLimits) -> JointGuard:

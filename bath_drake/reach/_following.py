@@ -12,7 +12,7 @@ from bath_drake.control._keeping_off import (
     push_away,
     reachable_share,
 )
-from bath_drake.notation import FloatArray
+from bath_drake.notation import FloatArray, IntArray
 from bath_drake.reach._kernels import (
     ROWS,
     TOO_FAST,
@@ -21,6 +21,7 @@ from bath_drake.reach._kernels import (
     solve,
 )
 from bath_drake.safety._box_distance import ArmArrays, BoxArrays, gaps
+from bath_drake.safety.self_gaps import write_gaps
 
 # Columns of what is told of a pose.
 CONDITION, PLACE_ERROR, JET_ERROR, AT_LIMIT, GAP, SLOWED = range(6)
@@ -49,9 +50,10 @@ def follow(
     speed: FloatArray,
     nozzle_speed: tuple[float, float],
     arm: ArmArrays,
+    pairs: IntArray,
     tip: FloatArray,
     boxes: BoxArrays,
-    avoidance: tuple[float, float, float, float],
+    avoidance: tuple[float, float, float, float, float],
     positions: FloatArray,
     facts: FloatArray,
 ) -> None:
@@ -68,46 +70,51 @@ def follow(
         speed: (7,) rad/s.
         nozzle_speed: What the nozzle is led with at most: rad/s, m/s.
         arm: As of `gaps`.
+        pairs: (m, 2) of its capsules, which must not touch.
         tip: As of `pose_and_jacobian`.
         boxes: As of `gaps`.
-        avoidance: stop, near, gain and push of `AvoidanceConfig`.
+        avoidance: stop, near, gain, push and self_stop of `AvoidanceConfig`.
         positions: (n, 7) out, rad.
         facts: (n, FACTS) out: condition number, distance from the wanted place (m),
             angle to the wanted jet (rad), the joint at its limit (-1: none), least
             distance of a link from a box (m), 1 if the nozzle lags for one else 0.
     """
     origins, turns, capsules = arm
-    stop, near, gain, most_push = avoidance
+    stop, near, gain, most_push, self_stop = avoidance
+    # As in the inverse kinematics, pairs of links are told as much nearer.
+    further = self_stop - stop
     joints, minded = len(q), _MINDED * near
     p, R, J = np.empty(3), np.empty((3, 3)), np.empty((ROWS, joints))
     V, wanted, v = np.empty(ROWS), np.empty(joints), np.empty(joints)
     least, most = np.empty(joints), np.empty(joints)
-    rows = np.empty((len(capsules), 1 + joints))
+    every = np.empty((len(capsules) + len(pairs), 1 + joints))
     pose_and_jacobian(q, origins, turns, tip, p, R, J)
-    gaps(q, arm, boxes, minded, rows)
+    gap, count = _look(q, arm, pairs, boxes, minded, near, further, every)
     # Whether it was slowed for a link and has not caught up since.
-    gap, late = rows[:, 0].min(), False
+    late = False
     for n in range(len(tips)):
         dt, before = seconds[n], np.inf
         # Exactly what a long step of a pull with 1/s comes to.
         pull = (1.0 - np.exp(-dt)) / dt
         facts[n, GAP] = gap
         for step in range(_LONG_PATIENCE):
+            rows = every[:count]
+            nearest = rows[:, 0].min()
             _twist(p, R, tips[n], jets[n], dt, V)
             # One that lags is led no faster: what is asked for slows all the rest too.
-            if gap < near:
+            if nearest < near:
                 _limit(V, nozzle_speed)
             for k in range(joints):
                 least[k] = max(-speed[k], (low[k] - q[k]) / dt)
                 most[k] = min(speed[k], (high[k] - q[k]) / dt)
                 wanted[k] = (posture[k] - q[k]) * pull
-            if gap < near:
+            if nearest < near:
                 push = push_away(rows, near, gain, most_push)
                 for k in range(joints):
                     wanted[k] += push[k] * pull
             _solve_slower(J, V, wanted, least, most, v)
             share = 1.0
-            if gap < minded and damped_share(v, rows, stop, gain) < 1.0:
+            if nearest < minded and damped_share(v, rows, stop, gain) < 1.0:
                 added = bend(v, J, rows, stop, gain)
                 v += reachable_share(v, added, least, most) * added
                 share = damped_share(v, rows, stop, gain)
@@ -116,8 +123,7 @@ def follow(
             for k in range(joints):
                 q[k] = min(max(q[k] + dt * v[k], low[k]), high[k])
             pose_and_jacobian(q, origins, turns, tip, p, R, J)
-            gaps(q, arm, boxes, minded, rows)
-            gap = rows[:, 0].min()
+            gap, count = _look(q, arm, pairs, boxes, minded, near, further, every)
             facts[n, GAP] = min(facts[n, GAP], gap)
             _twist(p, R, tips[n], jets[n], 1.0, V)
             # The loop waits for an arm that lags, as long as it comes nearer.
@@ -139,6 +145,27 @@ def follow(
         for k in range(joints):
             if q[k] < low[k] + 1e-6 or q[k] > high[k] - 1e-6:
                 facts[n, AT_LIMIT] = k
+
+
+@njit(cache=True)
+def _look(
+    q: FloatArray,
+    arm: ArmArrays,
+    pairs: IntArray,
+    boxes: BoxArrays,
+    minded: float,
+    near: float,
+    further: float,
+    rows: FloatArray,
+) -> tuple[float, int]:
+    """Writes rows of things, then of near pairs; the things' gap, and how many."""
+    origins, turns, capsules = arm
+    n = len(capsules)
+    gaps(q, arm, boxes, minded, rows[:n])
+    own = write_gaps(q, origins, turns, capsules, pairs, near + further, rows[n:])
+    for k in range(n, n + own):
+        rows[k, 0] -= further
+    return rows[:n, 0].min(), n + own
 
 
 @njit(cache=True)

@@ -107,9 +107,16 @@ def follow(
         arm.speed,
         (tracking.angular_speed, tracking.speed),
         arm_arrays(arm.chain),
+        arm.chain.pairs,
         arm.chain.tip,
         box_arrays(Boxes() if boxes is None else boxes),
-        (avoidance.stop, avoidance.near, avoidance.gain, avoidance.push),
+        (
+            avoidance.stop,
+            avoidance.near,
+            avoidance.gain,
+            avoidance.push,
+            avoidance.self_stop,
+        ),
         positions,
         facts,
     )

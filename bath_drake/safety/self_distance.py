@@ -113,8 +113,10 @@ def _least(
 
 
 @njit(cache=True)
-def _segments(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
-    """The distance of two segments ab and cd, neither a point."""
+def nearest_shares(
+    a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray
+) -> tuple[float, float]:
+    """Which shares of segments ab and cd, neither a point, are nearest."""
     uu = vv = uv = uw = vw = 0.0
     for k in range(3):
         u, v, w = b[k] - a[k], d[k] - c[k], a[k] - c[k]
@@ -126,6 +128,13 @@ def _segments(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> flo
     s = min(max(s, 0.0), 1.0)
     t = min(max((uv * s + vw) / vv, 0.0), 1.0)
     s = min(max((uv * t - uw) / uu, 0.0), 1.0)
+    return s, t
+
+
+@njit(cache=True)
+def _segments(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> float:
+    """The distance of two segments ab and cd, neither a point."""
+    s, t = nearest_shares(a, b, c, d)
     gap2 = 0.0
     for k in range(3):
         gap2 += (a[k] - c[k] + s * (b[k] - a[k]) - t * (d[k] - c[k])) ** 2

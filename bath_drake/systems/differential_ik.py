@@ -23,6 +23,7 @@ from bath_drake.notation import FloatArray
 from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.safety.obstacle_distance import link_gaps
 from bath_drake.safety.obstacles import Boxes
+from bath_drake.safety.self_gaps import self_gaps
 from bath_drake.systems._joint_solver import JointSolver
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 
@@ -199,11 +200,19 @@ class DifferentialIk(LeafSystem):
 
     def _near_things(self, context: Any, q: FloatArray) -> FloatArray | None:
         """Rows of `link_gaps` of what a link is near to; None where nothing is."""
-        if self._arm is None or not self._obstacles.HasValue(context):
+        if self._arm is None:
             return None
-        boxes = eval_value(self._obstacles, context, Boxes)
-        rows = link_gaps(q, self._arm, boxes, 2.0 * self._avoidance.near)
-        return rows if (rows[:, 0] < 2.0 * self._avoidance.near).any() else None
+        # Links keep further off each other: their rows are told as much nearer.
+        keep = self._avoidance
+        further = keep.self_stop - keep.stop
+        rows = self_gaps(q, self._arm, keep.near + further)
+        rows[:, 0] -= further
+        if self._obstacles.HasValue(context):
+            boxes = eval_value(self._obstacles, context, Boxes)
+            things = link_gaps(q, self._arm, boxes, 2.0 * keep.near)
+            if (things[:, 0] < 2.0 * keep.near).any():
+                rows = np.concatenate([things, rows])
+        return rows if len(rows) else None
 
     def _step(
         self,

@@ -9,7 +9,7 @@ from pydrake.systems.analysis import Simulator
 from bath_drake.control.avoidance import AvoidanceConfig
 from bath_drake.safety.obstacle_distance import link_gaps
 from bath_drake.safety.obstacles import Boxes, upright_box
-from bath_drake.safety.self_distance import capsule_ends
+from bath_drake.safety.self_distance import capsule_ends, self_distance
 from bath_drake.scene.arm import make_control_plant
 from bath_drake.scene.arm_chain import arm_chain
 from bath_drake.scene.config import ArmConfig
@@ -28,9 +28,15 @@ def nozzle(q):
     return PLANT.GetFrameByName("nozzle_tip").CalcPoseInWorld(context)
 
 
-def follow(shift, boxes, seconds=6.0):
+def follow(shift, boxes, seconds=6.0, avoidance=None):
     """Goes from the posture to a shifted pose; joint commands (n, 14), place error."""
-    dut = DifferentialIk(plant=PLANT, home=POSTURE, joint_acceleration=8.0, arm=CHAIN)
+    dut = DifferentialIk(
+        plant=PLANT,
+        home=POSTURE,
+        joint_acceleration=8.0,
+        arm=CHAIN,
+        avoidance=avoidance,
+    )
     X = nozzle(POSTURE)
     goal = RigidTransform(X.rotation(), X.translation() + shift)
     simulator = Simulator(dut, dut.CreateDefaultContext())
@@ -106,3 +112,33 @@ def test_what_it_adds_keeps_to_the_joints_speed_and_acceleration():
     assert (np.abs(v) <= 0.5 * PLANT.GetVelocityUpperLimits() + 1e-6).all()
     # 1 %: the solver's tolerance.
     assert np.abs(np.diff(v, axis=0)).max() <= STEP * 8.0 * 1.01
+
+
+def to_the_base(way, up):
+    """A shift of the nozzle towards the arm's own base, which folds the elbow."""
+    away = np.array(ArmConfig().base_position) - nozzle(POSTURE).translation()
+    away[2] = 0.0
+    return way * away / np.linalg.norm(away) + [0.0, 0.0, up]
+
+
+def own_gap(commands):
+    return min(self_distance(row[:7], CHAIN) for row in commands)
+
+
+@pytest.mark.parametrize("up", [-0.1, 0.0, 0.1])
+def test_links_keep_off_each_other_and_the_nozzle_gets_there(up):
+    heedless = AvoidanceConfig(stop=5e-4, near=1e-3, self_stop=1e-3)
+    shift = to_the_base(0.2, up)
+    free, _ = follow(shift, Boxes(), avoidance=heedless)
+    assert own_gap(free) < 0.01
+    commands, error = follow(shift, Boxes())
+    # A tick's way of what is told once a tick.
+    assert own_gap(commands) > AvoidanceConfig().self_stop - 1e-3
+    assert error < 1e-3
+
+
+def test_where_they_cannot_it_stands():
+    commands, error = follow(to_the_base(0.3, 0.1), Boxes())
+    assert own_gap(commands) > AvoidanceConfig().self_stop - 1e-3
+    assert error > 0.05
+    assert np.abs(commands[-1, 7:]).max() < 0.01
