@@ -197,6 +197,7 @@ def _collect(
         guard_reason=series["guard_reason"][:, 0],
         checked_command=series["checked_command"],
         rejected_frames=series["rejected_frames"][:, 0],
+        seen_through=series.get("camera_status", np.zeros((count, 1)))[:, 0],
         certificate_verdict=series["certificate_verdict"][:, 0],
         certificate_seconds=series["certificate_seconds"][:, 0],
         certified_start=series["certified_start"],

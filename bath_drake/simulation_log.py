@@ -34,6 +34,8 @@ class SimulationLog:
             logs what it was told.
         rejected_frames: (T,) how many frames showed a map that no body can have come
             to; zero in older logs.
+        seen_through: (T,) share of the arm's pixels that showed what is behind it, as
+            some frames agreed; zero without a camera and in older logs.
         certificate_verdict: (T,) a `bath_drake.control.certified_world.WorldVerdict`
             each: of the world in force.
         certificate_seconds: (T,) what its proof took, s.
@@ -80,6 +82,7 @@ class SimulationLog:
     guard_reason: FloatArray
     checked_command: FloatArray
     rejected_frames: FloatArray
+    seen_through: FloatArray
     certificate_verdict: FloatArray
     certificate_seconds: FloatArray
     certified_start: FloatArray
@@ -128,6 +131,7 @@ class SimulationLog:
             none = np.zeros_like(arrays["canonical_reference"])
             arrays.setdefault("canonical_offset", none)
             arrays.setdefault("rejected_frames", np.zeros(len(none)))
+            arrays.setdefault("seen_through", np.zeros(len(none)))
             arrays.setdefault("guard_mode", np.zeros(len(none)))
             arrays.setdefault("guard_reason", np.zeros(len(none)))
             arrays.setdefault("contact_wrench", np.zeros((len(none), 6)))

@@ -175,6 +175,7 @@ def make_log(
         canonical_position=p_N + rng.normal(0.0, 1e-3, (count, 2)),
         canonical_reference=p_N + 0.01,
         rejected_frames=np.zeros(count),
+        seen_through=np.where(time < 1.0, 0.0, 0.002),
         guard_mode=held * float(Mode.HOLD),
         guard_reason=held * float(Reason.BODY_LOST),
         checked_command=np.zeros((count, 14)),

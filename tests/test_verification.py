@@ -258,6 +258,18 @@ def test_beta_is_told_of_the_washed_point_and_of_where_the_field_is_asked(
     assert min(free, also_free) > 0.0
 
 
+def test_what_two_of_the_guards_limits_are_about_is_told_at_its_worst(perfect, skill):
+    state = perfect.checked_command.copy()
+    state[7, 3] -= 0.004
+    state[9, 10] += 1.0  # a velocity
+    seen = np.zeros(len(state))
+    seen[5] = 0.012
+    log = replace(perfect, arm_state=state, seen_through=seen)
+    metrics = evaluate(log, Scenario(), skill).metrics
+    assert metrics["following_error_rad"] == pytest.approx(0.004)
+    assert metrics["seen_through"] == 0.012
+
+
 def test_every_proof_of_the_run_is_counted_with_its_time(perfect, skill):
     certificate = evaluate(perfect, Scenario(), skill).metrics["certificate"]
     assert certificate["proofs"] == 2

@@ -28,6 +28,8 @@ LOGGED_PORTS = (
 )
 # And where there is a periodic motion.
 PERIODIC_PORTS = (("periodic_motion", "canonical_offset"),)
+# And where there is a camera to watch.
+CAMERA_PORTS = (("camera_monitor", "camera_status"),)
 # And where skin can be touched; phase and stand-off are then the regulator's.
 FORCE_PORTS = (
     ("force_regulator", "phase"),
@@ -42,6 +44,7 @@ _LOG_PERIOD_S = 0.01
 def logged_ports(names: Container[str]) -> tuple[tuple[str, str], ...]:
     """The systems and ports that a Diagram with systems of these names logs."""
     ports = LOGGED_PORTS + (PERIODIC_PORTS if "periodic_motion" in names else ())
+    ports += CAMERA_PORTS if "camera_monitor" in names else ()
     if "force_regulator" not in names:
         return ports
     paced = {port for _, port in FORCE_PORTS}

@@ -55,6 +55,7 @@ def arm_core(robot_mask: BoolArray, rim: float) -> BoolArray:
     return core
 
 
+@njit(cache=True)
 def seen_through(
     depth: FloatArray,
     rays: FloatArray,
@@ -78,21 +79,7 @@ def seen_through(
     Returns:
         In [0, 1]; zero where fewer than `LEAST_PIXELS` show the arm.
     """
-    arm, behind = _count(depth, rays, core, R_WC, p_WC, capsules_W)
-    return behind / (arm + behind) if arm + behind >= LEAST_PIXELS else 0.0
-
-
-@njit(cache=True)
-def _count(
-    depth: FloatArray,
-    rays: FloatArray,
-    core: BoolArray,
-    R_WC: FloatArray,
-    p_WC: FloatArray,
-    capsules_W: FloatArray,
-) -> tuple[int, int]:
-    """How many pixels show the arm, and how many what is behind it."""
-    arm = behind = 0
+    looked = behind = 0
     rows, columns = core.shape
     ray = np.empty(3)
     for v in range(rows):
@@ -109,11 +96,11 @@ def _count(
                 middle, half = _within(p_WC, ray, capsules_W[k])
                 if half >= 0.0:
                     near, far = min(near, middle - half), max(far, middle + half)
-            if z > far + _BEHIND and far > 0.0:
-                behind += 1
-            elif near - _BEHIND <= z <= far + _BEHIND:
-                arm += 1
-    return arm, behind
+            # Before the camera there is a capsule, and the pixel not before that.
+            if far > 0.0 and z >= near - _BEHIND:
+                looked += 1
+                behind += z > far + _BEHIND
+    return behind / looked if looked >= LEAST_PIXELS else 0.0
 
 
 @njit(cache=True)

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.safety.arm_chain import link_frames, place_segment
+from bath_drake.safety.arm_chain import link_frames, place_segment, slope_of_turn
 
 ArmArrays = tuple[FloatArray, FloatArray, FloatArray]
 BoxArrays = tuple[FloatArray, FloatArray, FloatArray, IntArray]
@@ -65,13 +65,7 @@ def gaps(
         for j in range(joints):
             rows[k, 1 + j] = 0.0
             if close and j < link:
-                x, y, z = best - p[j + 1]
-                u, v, w = R[j + 1, :, 2]
-                rows[k, 1 + j] = (
-                    best_away[0] * (v * z - w * y)
-                    + best_away[1] * (w * x - u * z)
-                    + best_away[2] * (u * y - v * x)
-                )
+                rows[k, 1 + j] = slope_of_turn(R, p, j, best, best_away)
 
 
 @njit(cache=True)

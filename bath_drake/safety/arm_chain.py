@@ -159,3 +159,22 @@ def place_segment(
             for j in range(3):
                 ends[end, i] += R[told, i, j] * capsule[1 + 3 * end + j]
     return link
+
+
+@njit(cache=True)
+def slope_of_turn(
+    R: FloatArray, p: FloatArray, joint: int, point: FloatArray, way: FloatArray
+) -> float:
+    """How fast a point of a link moves along a way as a joint before it turns, m/rad.
+
+    Args:
+        R: Axes as of `link_frames`.
+        p: Origins as of `link_frames`.
+        joint: From 0.
+        point: (3,) in B, m.
+        way: (3,) in B; of length one for metres a radian.
+    """
+    x, y, z = point - p[joint + 1]
+    u, v, w = R[joint + 1, :, 2]
+    along = way[0] * (v * z - w * y) + way[1] * (w * x - u * z)
+    return float(along + way[2] * (u * y - v * x))

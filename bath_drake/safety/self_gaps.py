@@ -4,7 +4,12 @@ import numpy as np
 from numba import njit
 
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.safety.arm_chain import ArmChain, link_frames, place_segment
+from bath_drake.safety.arm_chain import (
+    ArmChain,
+    link_frames,
+    place_segment,
+    slope_of_turn,
+)
 from bath_drake.safety.limits import JOINTS
 from bath_drake.safety.self_distance import nearest_shares
 
@@ -71,12 +76,7 @@ def write_gaps(
             rows[count, 1 + joint] = 0.0
             # What moves both does not move them apart.
             if first <= joint < last and apart > _MEET:
-                x, y, z = outer - p[joint + 1]
-                u, v, w = R[joint + 1, :, 2]
-                rows[count, 1 + joint] = (
-                    away[0] * (v * z - w * y)
-                    + away[1] * (w * x - u * z)
-                    + away[2] * (u * y - v * x)
-                ) / apart
+                slope = slope_of_turn(R, p, joint, outer, away)
+                rows[count, 1 + joint] = slope / apart
         count += 1
     return count

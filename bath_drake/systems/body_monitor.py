@@ -1,6 +1,5 @@
 """Watches how fast the body moves, and whether somebody else comes near it."""
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,19 +24,9 @@ from bath_drake.perception.body_check import (
 from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.perception.canonical import CanonicalMap
-from bath_drake.shared import Shared
+from bath_drake.systems._depth_sample import STRIDE, DepthSample, sampled
 from bath_drake.systems._ports import eval_value, eval_vector, set_vector
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S
-
-# Every fourth pixel along both axes: a hand is still some twenty of them.
-_STRIDE = 4
-
-
-@dataclass(frozen=True, eq=False)
-class _Sample(Shared):
-    """Every few pixels of the newest depth image, m; of nothing before the first."""
-
-    depth: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 class BodyMonitor(LeafSystem):
@@ -86,9 +75,9 @@ class BodyMonitor(LeafSystem):
             raise ValueError(f"period must be positive and finite, got {period}")
         self._R_WC: FloatArray = np.array(X_WC.rotation().matrix())
         self._p_WC: FloatArray = np.array(X_WC.translation())
-        self._rays = np.ascontiguousarray(camera.rays[::_STRIDE, ::_STRIDE])
+        self._rays = np.ascontiguousarray(camera.rays[::STRIDE, ::STRIDE])
         # m^2 of a pixel that faces the camera at depth 1.
-        self._pixel = _STRIDE**2 / (camera.fx * camera.fy)
+        self._pixel = STRIDE**2 / (camera.fx * camera.fy)
         self._box = np.array(low_W, dtype=np.float64), np.array(high_W, dtype=float)
         self._depth = self.DeclareAbstractInputPort(
             "depth_image", Value(ImageDepth32F(camera.width, camera.height))
@@ -98,7 +87,7 @@ class BodyMonitor(LeafSystem):
         )
         self._map = self.DeclareAbstractInputPort("canonical_map", Value[object]())
         self._believed = self.DeclareVectorInputPort("map_status", 1)
-        self._sample = self.DeclareAbstractState(Value[object](_Sample()))
+        self._sample = self.DeclareAbstractState(Value[object](DepthSample()))
         self._state = self.DeclareAbstractState(Value[object](BodyCheck()))
         self.DeclareVectorOutputPort(
             "body_status", 2, self._calc, {self.abstract_state_ticket(self._state)}
@@ -116,9 +105,8 @@ class BodyMonitor(LeafSystem):
         return check
 
     def _take(self, context: Context, state: State) -> EventStatus:
-        image: Any = eval_value(self._depth, context, ImageDepth32F)
-        depth = image.data[::_STRIDE, ::_STRIDE, 0].astype(np.float64)
-        state.get_mutable_abstract_state(int(self._sample)).set_value(_Sample(depth))
+        sample = sampled(self._depth, context)
+        state.get_mutable_abstract_state(int(self._sample)).set_value(sample)
         return EventStatus.Succeeded()
 
     def _check(self, context: Context, state: State) -> EventStatus:
@@ -134,10 +122,10 @@ class BodyMonitor(LeafSystem):
             held.get_value().depth,
             self._rays,
             (self._R_WC, self._p_WC),
-            observation.robot_mask[::_STRIDE, ::_STRIDE],
+            observation.robot_mask[::STRIDE, ::STRIDE],
             self._pixel,
         )
-        back = observation.points_W[:: _STRIDE**2]
+        back = observation.points_W[:: STRIDE**2]
         check = check_body(
             last,
             observation.stamp,

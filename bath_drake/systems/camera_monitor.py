@@ -1,6 +1,5 @@
 """Watches whether the camera shows the arm where its joints say it is."""
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,20 +20,9 @@ from bath_drake.perception.body_observation import BodyObservation
 from bath_drake.perception.camera import PinholeCamera
 from bath_drake.safety.arm_chain import ArmChain
 from bath_drake.safety.self_distance import capsule_ends
-from bath_drake.shared import Shared
-from bath_drake.systems._ports import eval_value, eval_vector, set_vector
+from bath_drake.systems._depth_sample import STRIDE, DepthSample, sampled
+from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 from bath_drake.systems.canonical_projector import FRAME_DELAY_S
-
-# Every fourth pixel along both axes: an arm is still a thousand of them.
-_STRIDE = 4
-
-
-@dataclass(frozen=True, eq=False)
-class _Sample(Shared):
-    """Some pixels of the newest frame, m, and where the joints were, rad."""
-
-    depth: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-    q: FloatArray = field(default_factory=lambda: np.zeros(7))
 
 
 class CameraMonitor(LeafSystem):
@@ -53,7 +41,7 @@ class CameraMonitor(LeafSystem):
     `arm_position` (7) is of the frame, rad; of `body_observation` only the robot's
     silhouette and the stamp are asked. `camera_status` (1) is the share of the arm's
     pixels that show what is behind it, `bath_drake.perception.arm_sight.ArmSight`,
-    which is the state beside some pixels of the frame.
+    which is the state beside some pixels of the frame and the joints' positions then.
     """
 
     def __init__(
@@ -82,7 +70,7 @@ class CameraMonitor(LeafSystem):
             raise ValueError(f"period must be positive and finite, got {period}")
         self._R_WC: FloatArray = np.array(X_WC.rotation().matrix())
         self._p_WC: FloatArray = np.array(X_WC.translation())
-        self._rays = np.ascontiguousarray(camera.rays[::_STRIDE, ::_STRIDE])
+        self._rays = np.ascontiguousarray(camera.rays[::STRIDE, ::STRIDE])
         self._focal = max(camera.fx, camera.fy)
         self._arm = arm
         self._R_WB: FloatArray = np.array(X_WB.rotation().matrix())
@@ -94,7 +82,8 @@ class CameraMonitor(LeafSystem):
         self._observation = self.DeclareAbstractInputPort(
             "body_observation", Value(BodyObservation())
         )
-        self._sample = self.DeclareAbstractState(Value[object](_Sample()))
+        self._sample = self.DeclareAbstractState(Value[object](DepthSample()))
+        self._taken_at = self.DeclareDiscreteState(7)
         self._state = self.DeclareAbstractState(Value[object](ArmSight()))
         self.DeclareVectorOutputPort(
             "camera_status", 1, self._calc, {self.abstract_state_ticket(self._state)}
@@ -105,29 +94,30 @@ class CameraMonitor(LeafSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, FRAME_DELAY_S, self._check)
 
     def _take(self, context: Context, state: State) -> EventStatus:
-        image: Any = eval_value(self._depth, context, ImageDepth32F)
-        depth = image.data[::_STRIDE, ::_STRIDE, 0].astype(np.float64)
-        sample = _Sample(depth, np.array(eval_vector(self._q, context)))
+        sample = sampled(self._depth, context)
         state.get_mutable_abstract_state(int(self._sample)).set_value(sample)
+        q = drake_vector(eval_vector(self._q, context))
+        state.get_mutable_discrete_state().set_value(int(self._taken_at), q)
         return EventStatus.Succeeded()
 
     def _check(self, context: Context, state: State) -> EventStatus:
         observation = eval_value(self._observation, context, BodyObservation)
         sight: ArmSight = self._last(context, self._state)
-        sample: _Sample = self._last(context, self._sample)
+        sample: DepthSample = self._last(context, self._sample)
+        q = np.array(context.get_discrete_state(int(self._taken_at)).value())
         stamp = observation.stamp
         if not np.isfinite(stamp) or (sight.frames and stamp <= sight.frames[-1][0]):
             return EventStatus.DidNothing()
         mask = observation.robot_mask
-        rim = rim_width(sample.depth, mask[::_STRIDE, ::_STRIDE], self._focal)
-        core = arm_core(mask, rim)[::_STRIDE, ::_STRIDE]
+        rim = rim_width(sample.depth, mask[::STRIDE, ::STRIDE], self._focal)
+        core = arm_core(mask, rim)[::STRIDE, ::STRIDE]
         share = seen_through(
             sample.depth,
             self._rays,
             core,
             self._R_WC,
             self._p_WC,
-            self._capsules_in_world(sample.q),
+            self._capsules_in_world(q),
         )
         after = sight.next(stamp, share)
         state.get_mutable_abstract_state(int(self._state)).set_value(after)

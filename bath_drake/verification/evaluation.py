@@ -39,6 +39,7 @@ from bath_drake.verification.limit_checks import fault_checks, limit_checks
 from bath_drake.verification.log_figures import (
     certificate_figures,
     driven_world,
+    following_error,
     guard_seconds,
     hold_counts,
     least,
@@ -205,6 +206,8 @@ def evaluate(log: SimulationLog, scenario: Scenario, skill: Skill) -> Evaluation
             count=int(log.frames),
         ),
         "rejected_frames": int(log.rejected_frames.max(initial=0.0)),
+        "seen_through": most(log.seen_through),
+        "following_error_rad": most(following_error(log)),
         "guard_s": guard_seconds(log),
         "holds": hold_counts(log),
         "robot_hides_at_most": most(log.keyframe_reach[:, 1]),

@@ -95,6 +95,12 @@ def hold_counts(log: SimulationLog) -> dict[str, int]:
     }
 
 
+def following_error(log: SimulationLog) -> FloatArray:
+    """The most that a joint was off what the guard had emitted, (T,), rad."""
+    off = log.arm_state[:, :JOINTS] - log.checked_command[:, :JOINTS]
+    return np.asarray(np.abs(off).max(axis=1))
+
+
 def nozzle_jerk(log: SimulationLog, scenario: Scenario) -> FloatArray:
     """The jerk's size of the nozzle's tip, as the guard emitted it, (T - 3,), m/s^3.
 
