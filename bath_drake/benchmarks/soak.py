@@ -57,7 +57,8 @@ def run(settings: Settings, progress: Progress) -> Report:
             task = (person, sitting, first, seconds, ideal, settings.data)
             running[pool.submit(soak_sitting, *task)] = person
 
-        for person in people:
+        # The longest first, for the others to run beside it.
+        for person in sorted(people, key=lambda person: person != THROUGH_THE_CAMERA):
             go_on(person)
         while running:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
