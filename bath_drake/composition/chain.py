@@ -10,6 +10,7 @@ See docs/certificate.md.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -142,6 +143,15 @@ class Chain:
         while stage < len(self.gates) and self.gates[stage].holds(q):
             stage += 1
         return stage
+
+    def rest(self, stage: int) -> "Chain":
+        """What is left of it from a stage on: the same object every time."""
+        return self if stage == 0 else self._rests[stage - 1]
+
+    @cached_property
+    def _rests(self) -> tuple["Chain", ...]:
+        later = range(1, len(self))
+        return tuple(Chain(self.fields[k:], self.gates[k:]) for k in later)
 
     def moved(self, by: tuple[Similarity, ...]) -> "Chain":
         """The chain with each field, and its gate, moved by a similarity of its own."""

@@ -66,28 +66,33 @@ def covered(chain: Chain, areas: ObstacleSet) -> BoolArray:
     return ~_clear(goals, areas, GAP)
 
 
-def next_stage(chain: Chain, stage: int, point: ArrayLike, areas: ObstacleSet) -> int:
+def left_out(chain: Chain, areas: ObstacleSet) -> BoolArray:
+    """Which stages are not followed, for areas cover their goals, shape (K,).
+
+    Args:
+        chain: As `around_areas` gave it. Its last stage always is followed.
+        areas: Restricted areas in N.
+    """
+    if not len(areas):
+        return np.zeros(len(chain), dtype=bool)
+    out = covered(chain, areas)
+    out[-1] = False
+    return out
+
+
+def next_stage(chain: Chain, stage: int, point: ArrayLike, left_out: BoolArray) -> int:
     """The stage that follows at a point (2,): later if in its gates, never earlier.
 
     Args:
         chain: As `around_areas` gave it.
         stage: The one that was followed so far.
         point: Where the flow is asked, in N.
-        areas: Restricted areas; stages whose goal they cover all the same are left out.
+        left_out: (K,) as of `left_out`.
     """
     stage = chain.stage_at(point, stage)
-    if not len(areas):
-        return stage
-    left_out = covered(chain, areas)
-    left_out[-1] = False
     while left_out[stage]:
         stage = chain.stage_at(point, stage + 1)
     return stage
-
-
-def remaining(chain: Chain, stage: int) -> Chain:
-    """What is left of a chain from a stage on."""
-    return Chain(chain.fields[stage:], chain.gates[stage:])
 
 
 def entry_point(point: FloatArray, chain: Chain) -> FloatArray:

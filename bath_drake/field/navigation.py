@@ -22,7 +22,7 @@ Coordinates beyond 1e70 count as 1e70, semi-axes below 1e-35 as 1e-35.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,9 @@ from bath_drake.field._boundaries import FAR, compiled, quadratic_forms
 from bath_drake.field._boundaries import min_beta as _least_beta
 from bath_drake.field.obstacles import ObstacleSet, Workspace
 from bath_drake.notation import FloatArray
+
+# Worlds of a field and further obstacles that it remembers.
+_KEPT = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +90,23 @@ class NavigationField:
 
     def with_obstacles(self, extra: ObstacleSet) -> "NavigationField":
         """The same field with further obstacles: another world, to be checked anew."""
-        return self if len(extra) == 0 else _joined(self, extra)
+        if len(extra) == 0:
+            return self
+        # Asked for hundreds of times a second of one world: one answer, with its forms.
+        if extra not in self._joined:
+            if len(self._joined) >= _KEPT:
+                self._joined.clear()
+            together = replace(self, obstacles=self.obstacles + extra)
+            self._joined[extra] = together
+        return self._joined[extra]
 
     def with_goal(self, goal: FloatArray) -> "NavigationField":
         """The same field with another goal: another world, to be checked anew."""
         return replace(self, goal=goal)
+
+    @cached_property
+    def _joined(self) -> dict[ObstacleSet, "NavigationField"]:
+        return {}
 
     @cached_property
     def kernel_arguments(
@@ -103,12 +118,6 @@ class NavigationField:
         forms = quadratic_forms(theta.copy(), exponents.copy())
         gx, gy = (min(max(g, -FAR), FAR) for g in self.goal.tolist())
         return self.workspace.as_array(), gx, gy, self.kappa, forms
-
-
-@lru_cache(maxsize=32)
-def _joined(field: NavigationField, extra: ObstacleSet) -> NavigationField:
-    """Asked for hundreds of times a second of one world: one answer, with its forms."""
-    return replace(field, obstacles=field.obstacles + extra)
 
 
 def _points(q: ArrayLike) -> tuple[FloatArray, tuple[int, ...]]:

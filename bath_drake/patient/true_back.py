@@ -174,12 +174,14 @@ def _look_at(
     fx, fy, cx, cy = lens
     pixels = np.zeros((len(points_W), 2), dtype=np.int64)
     for i in range(len(points_W)):
-        p = points_W[i] - p_WC
-        z = p[0] * R_WC[0, 2] + p[1] * R_WC[1, 2] + p[2] * R_WC[2, 2]
+        # Number by number: a small array for each point would take most of the time.
+        a, b = points_W[i, 0] - p_WC[0], points_W[i, 1] - p_WC[1]
+        c = points_W[i, 2] - p_WC[2]
+        z = a * R_WC[0, 2] + b * R_WC[1, 2] + c * R_WC[2, 2]
         if not z > 0.0:
             continue
-        x = p[0] * R_WC[0, 0] + p[1] * R_WC[1, 0] + p[2] * R_WC[2, 0]
-        y = p[0] * R_WC[0, 1] + p[1] * R_WC[1, 1] + p[2] * R_WC[2, 1]
+        x = a * R_WC[0, 0] + b * R_WC[1, 0] + c * R_WC[2, 0]
+        y = a * R_WC[0, 1] + b * R_WC[1, 1] + c * R_WC[2, 1]
         u, v = fx * x / z + cx, fy * y / z + cy
         column, row = min(max(u, 0.0), width - 1.0), min(max(v, 0.0), height - 1.0)
         pixels[i, 0], pixels[i, 1] = int(column), int(row)

@@ -6,6 +6,7 @@ See `bath_drake.reach.follow` for what it means.
 import numpy as np
 from numba import njit
 
+from bath_drake.control._joint_velocities import ROWS, TOO_FAST, solve
 from bath_drake.control._keeping_off import (
     bend,
     damped_share,
@@ -13,13 +14,7 @@ from bath_drake.control._keeping_off import (
     reachable_share,
 )
 from bath_drake.notation import FloatArray, IntArray
-from bath_drake.reach._kernels import (
-    ROWS,
-    TOO_FAST,
-    condition,
-    pose_and_jacobian,
-    solve,
-)
+from bath_drake.reach._kernels import condition, pose_and_jacobian
 from bath_drake.safety._box_distance import ArmArrays, BoxArrays, gaps
 from bath_drake.safety.self_gaps import write_gaps
 

@@ -11,7 +11,7 @@ import numpy as np
 from bath_drake.composition.chain import Chain
 from bath_drake.composition.rollout import chain_rollout
 from bath_drake.control.approach import Phase
-from bath_drake.control.staging import around_areas, gate_at, remaining
+from bath_drake.control.staging import around_areas, gate_at
 from bath_drake.demonstrations.canonical import CanonicalDemonstration
 from bath_drake.demonstrations.processing import (
     canonical_demonstrations,
@@ -93,7 +93,7 @@ class RunData:
 
     def chain_from(self, frame: Keyframe) -> Chain:
         """The world that was driven in and, with the areas seen, those to come."""
-        left = remaining(around_areas(self.skill.chain, frame.areas), self.stage(frame))
+        left = around_areas(self.skill.chain, frame.areas).rest(self.stage(frame))
         later = [field.with_obstacles(frame.areas) for field in left.fields[1:]]
         gates = list(left.gates)
         if gates and not gates[0].holds(frame.world.goal):

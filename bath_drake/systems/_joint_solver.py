@@ -1,4 +1,8 @@
-"""Joint velocities by Drake's differential IK, within limits that change."""
+"""Joint velocities by Drake's differential IK, within limits that change.
+
+At most steps no limit binds. The velocity is then the solution of linear equations: it
+is looked for first, in a tenth of the time that Drake's quadratic program takes.
+"""
 
 from typing import Any
 
@@ -11,6 +15,7 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from bath_drake.control._joint_velocities import FREE, solve
 from bath_drake.control.avoidance import (
     AvoidanceConfig,
     bend,
@@ -23,6 +28,10 @@ from bath_drake.notation import FloatArray
 from bath_drake.safety._joint_steps import stopping_speeds
 from bath_drake.systems._ports import drake_vector
 from bath_drake.systems.nozzle_kinematics import NOZZLE_FRAME
+
+# Of a twist in E, all but the turn about the jet: a round one has no roll.
+_FOLLOWED = np.array([0, 1, 3, 4, 5])
+_ORIGIN = drake_vector(np.zeros(3))
 
 
 class JointSolver:
@@ -86,7 +95,12 @@ class JointSolver:
         return np.array(X_WE.rotation().matrix()), np.array(X_WE.translation())
 
     def solve(
-        self, q: FloatArray, v: FloatArray, twist: FloatArray, near: FloatArray | None
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        twist: FloatArray,
+        R_WE: FloatArray,
+        near: FloatArray | None,
     ) -> FloatArray | None:
         """Returns the next joint velocities (7,), rad/s, or None where there are none.
 
@@ -94,12 +108,16 @@ class JointSolver:
             q: (7,) positions now, rad.
             v: (7,) velocities now, rad/s.
             twist: (6,) of the nozzle, rad/s and m/s in W.
+            R_WE: (3, 3) the nozzle's rotation, of `nozzle`.
             near: Rows of `link_gaps` of what a link is near to; None for nothing.
         """
         self._admit(q)
         self._push(near)
-        found = self._solve(v, twist)
-        return found if found is None or near is None else self._off(found, v, near)
+        J = self._followed_jacobian()
+        found = self._unhindered(q, v, J, (twist.reshape(2, 3) @ R_WE).ravel())
+        if found is None:
+            found = self._solve(v, twist)
+        return found if found is None or near is None else self._off(found, v, J, near)
 
     def twist(self, v: FloatArray, R_WE: FloatArray) -> FloatArray:
         """Returns the nozzle's (6,) in W without its turn about the jet."""
@@ -144,16 +162,37 @@ class JointSolver:
                 parameters.set_joint_velocity_limits(limits)
         return bool(inside)
 
-    def _off(self, v: FloatArray, v_last: FloatArray, rows: FloatArray) -> FloatArray:
-        """Bends the null space of v (7,), and slows it, to keep the links off."""
-        most = self._acceleration * self._time_step
-        (slowest, fastest), added = self._speeds, np.zeros(7)
-        if damped_share(v, rows, self._avoidance) < 1.0:
-            added = bend(v, self._followed_jacobian(), rows, self._avoidance)
-        low, high = (
+    def _unhindered(
+        self, q: FloatArray, v_last: FloatArray, J: FloatArray, V_E: FloatArray
+    ) -> FloatArray | None:
+        """What Drake would say (7,) where no limit is in the way, else None."""
+        low, high = self._bounds(v_last)
+        # Taken over beyond an end of its range, a joint may go no further.
+        least, most = self._admitted
+        low = np.maximum(low, (least - q) / self._time_step)
+        high = np.minimum(high, (most - q) / self._time_step)
+        v = np.empty(7)
+        pull = self._centering_gain * (self._nominal - q)
+        if solve(J, V_E[_FOLLOWED], pull, low, high, v) != FREE:
+            return None
+        return v if np.isfinite(v).all() else None
+
+    def _bounds(self, v_last: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest velocities (7,) by speed and acceleration, rad/s."""
+        (slowest, fastest), most = self._speeds, self._acceleration * self._time_step
+        return (
             np.maximum(-slowest, v_last - most),
             np.minimum(fastest, v_last + most),
         )
+
+    def _off(
+        self, v: FloatArray, v_last: FloatArray, J: FloatArray, rows: FloatArray
+    ) -> FloatArray:
+        """Bends the null space of v (7,), and slows it, to keep the links off."""
+        most, added = self._acceleration * self._time_step, np.zeros(7)
+        if damped_share(v, rows, self._avoidance) < 1.0:
+            added = bend(v, J, rows, self._avoidance)
+        low, high = self._bounds(v_last)
         v = v + reachable_share(v, added, low, high) * added
         change = v * damped_share(v, rows, self._avoidance) - v_last
         bound = np.full(7, most)
@@ -167,12 +206,12 @@ class JointSolver:
                 self._scratch,
                 JacobianWrtVariable.kV,
                 self._frame,
-                drake_vector(np.zeros(3)),
+                _ORIGIN,
                 world,
                 self._frame,
             )
         )
-        return np.asarray(J[[0, 1, 3, 4, 5]])
+        return np.asarray(J[_FOLLOWED])
 
     def _push(self, rows: FloatArray | None) -> None:
         """Draws the null space away from near things, on top of the posture."""
@@ -224,8 +263,8 @@ def _parameters(
     parameters = DifferentialInverseKinematicsParameters(7, 7)
     parameters.set_time_step(time_step)
     parameters.set_nominal_joint_position(drake_vector(posture))
-    # A round jet has no roll: in E, the turn about the jet is left to the posture.
-    flags: Any = np.array([True, True, False, True, True, True])
+    # The turn about the jet is left to the posture.
+    flags: Any = np.isin(np.arange(6), _FOLLOWED)
     parameters.set_end_effector_velocity_flag(flags)
     low, high = limits
     parameters.set_joint_position_limits((drake_vector(low), drake_vector(high)))

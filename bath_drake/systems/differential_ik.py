@@ -242,7 +242,7 @@ class DifferentialIk(LeafSystem):
             dt,
             washed,
         )
-        v = self._solver.solve(state[_Q], state[_V], twist, rows)
+        v = self._solver.solve(state[_Q], state[_V], twist, R, rows)
         if v is None:
             return _at_rest(state, STATUS_STUCK)
         after = state.copy()

@@ -13,8 +13,9 @@ from pydrake.systems.framework import (
 )
 
 from bath_drake.composition.chain import Chain
-from bath_drake.control.staging import around_areas, next_stage, remaining
+from bath_drake.control.staging import around_areas, left_out, next_stage
 from bath_drake.field.obstacles import ObstacleSet
+from bath_drake.notation import BoolArray
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector
 
 
@@ -56,7 +57,7 @@ class StageSequencer(LeafSystem):
         inputs = (self._chain, self._sensed)
         # Moving goals takes a while, and areas seldom change.
         self._moved = self.DeclareCacheEntry(
-            "chain with covered goals moved",
+            "chain with covered goals moved, stages left out",
             ValueProducer(allocate=Value[object], calc=self._calc_moved),
             {self.input_port_ticket(port.get_index()) for port in inputs},
         )
@@ -73,33 +74,29 @@ class StageSequencer(LeafSystem):
         self.DeclareVectorOutputPort("final_stage", 1, self._calc_final, tickets)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
-    def _areas(self, context: Context) -> ObstacleSet:
-        if not self._sensed.HasValue(context):
-            return ObstacleSet()
-        return eval_value(self._sensed, context, ObstacleSet)
-
     def _calc_moved(self, context: Any, output: Any) -> None:
-        chain = eval_value(self._chain, context, Chain)
-        output.set_value(around_areas(chain, self._areas(context)))
+        areas = ObstacleSet()
+        if self._sensed.HasValue(context):
+            areas = eval_value(self._sensed, context, ObstacleSet)
+        chain = around_areas(eval_value(self._chain, context, Chain), areas)
+        output.set_value((chain, left_out(chain, areas)))
 
-    def _around(self, context: Any) -> Chain:
-        chain: Any = self._moved.Eval(context)
-        moved: Chain = chain
-        return moved
+    def _around(self, context: Any) -> tuple[Chain, BoolArray]:
+        moved: Any = self._moved.Eval(context)
+        chain, out = moved
+        return chain, out
 
     def _remaining(self, context: Any) -> Chain:
-        return remaining(self._around(context), self._reached(context))
+        chain, _ = self._around(context)
+        return chain.rest(self._reached(context))
 
     def _reached(self, context: Any) -> int:
         return int(context.get_discrete_state(self._stage).value()[0])
 
     def _update(self, context: Context, state: DiscreteValues) -> None:
-        stage = next_stage(
-            self._around(context),
-            self._reached(context),
-            eval_vector(self._p_NQ, context),
-            self._areas(context),
-        )
+        chain, out = self._around(context)
+        point = eval_vector(self._p_NQ, context)
+        stage = next_stage(chain, self._reached(context), point, out)
         state.set_value(self._stage, drake_vector([float(stage)]))
 
     def _calc_field(self, context: Any, output: Any) -> None:

@@ -10,8 +10,8 @@ from bath_drake.control.outlook import look_ahead
 from bath_drake.control.staging import (
     around_areas,
     entry_point,
+    left_out,
     next_stage,
-    remaining,
 )
 from bath_drake.control.world import join_areas
 from bath_drake.field.obstacles import ObstacleSet, Workspace
@@ -48,12 +48,12 @@ def test_a_world_is_that_of_the_pure_function():
 def test_past_the_gate_the_world_is_there_and_the_one_after_is_made():
     outlook = look(look(None))
     ahead = outlook.worlds[1]
-    chain = remaining(CHAIN, 1)
+    chain = CHAIN.rest(1)
     assert outlook.world_of(chain.fields[0]) is ahead
     passed = look(outlook, chain=chain, point=ahead.start)
     assert passed.worlds[0] is ahead
     assert [w.learned for w in passed.worlds] == list(CHAIN.fields[1:])
-    last = look(passed, chain=remaining(CHAIN, 2), point=passed.worlds[1].start)
+    last = look(passed, chain=CHAIN.rest(2), point=passed.worlds[1].start)
     assert last is passed
 
 
@@ -72,8 +72,9 @@ def test_round_a_covered_goal_every_world_is_proved_and_the_last_goal_reached(k,
     moved = around_areas(CHAIN, inflated(areas, SLACK))
     outlook, point = None, START
     for stage in range(len(moved)):
-        assert next_stage(moved, stage, point, inflated(areas, SLACK)) == stage
-        chain = remaining(moved, stage)
+        out = left_out(moved, inflated(areas, SLACK))
+        assert next_stage(moved, stage, point, out) == stage
+        chain = moved.rest(stage)
         # As frame after frame does it: this world, then the next.
         for _ in range(2):
             outlook = look(outlook, areas, chain, point)

@@ -12,8 +12,8 @@ from bath_drake.control.staging import (
     around_areas,
     covered,
     entry_point,
+    left_out,
     next_stage,
-    remaining,
 )
 from bath_drake.field.navigation import min_beta
 from bath_drake.field.obstacles import ObstacleSet, beta
@@ -43,7 +43,7 @@ AREAS = st.builds(
 def test_a_stage_is_never_left_backwards_nor_without_its_gate(points):
     reached = 0
     for point in points:
-        following = next_stage(CHAIN, reached, point, NONE)
+        following = next_stage(CHAIN, reached, point, left_out(CHAIN, NONE))
         assert reached <= following < len(CHAIN)
         assert all(gate.holds(point) for gate in CHAIN.gates[reached:following])
         assert following == len(CHAIN) - 1 or not CHAIN.gates[following].holds(point)
@@ -54,15 +54,15 @@ def test_nested_gates_are_passed_at_once():
     gates = tuple(Gate(np.zeros(2), np.array([1.0, 0.0]), r) for r in (0.2, 0.4))
     fields = [stage([0.1, y], []) for y in (0.0, 0.1, 0.2)]
     nested = Chain(tuple(fields), gates)
-    assert next_stage(nested, 0, [0.05, 0.0], NONE) == 2
-    assert next_stage(nested, 0, [0.3, 0.0], NONE) == 0
+    assert next_stage(nested, 0, [0.05, 0.0], left_out(nested, NONE)) == 2
+    assert next_stage(nested, 0, [0.3, 0.0], left_out(nested, NONE)) == 0
 
 
 def test_the_stages_are_those_of_the_roll_out():
     found = chain_rollout(START, CHAIN)
     reached, stages = 0, []
     for point in found.path:
-        reached = next_stage(CHAIN, reached, point, NONE)
+        reached = next_stage(CHAIN, reached, point, left_out(CHAIN, NONE))
         stages.append(reached)
     np.testing.assert_array_equal(stages, found.stages)
 
@@ -110,20 +110,25 @@ def test_a_goal_without_a_free_place_near_leaves_its_stage_out():
     areas = area(1.2, 0.0, 1.1, 2.0, 0.0)
     moved = around_areas(CHAIN, areas)
     assert covered(moved, areas).tolist() == [True, False, False]
-    assert next_stage(moved, 0, START, areas) == 1
+    assert next_stage(moved, 0, START, left_out(moved, areas)) == 1
 
 
 def test_a_covered_last_goal_stays_the_goal():
     areas = area(*CHAIN.goal)
     assert around_areas(CHAIN, areas) == CHAIN
-    assert next_stage(CHAIN, 2, START, areas) == 2
+    assert next_stage(CHAIN, 2, START, left_out(CHAIN, areas)) == 2
+
+
+def test_without_areas_no_stage_is_left_out():
+    assert not left_out(CHAIN, NONE).any()
 
 
 def test_what_remains_are_the_later_fields_and_their_gates():
-    assert remaining(CHAIN, 0) == CHAIN
-    assert remaining(CHAIN, 1).fields == CHAIN.fields[1:]
-    assert remaining(CHAIN, 1).gates == CHAIN.gates[1:]
-    assert len(remaining(CHAIN, 2)) == 1
+    assert CHAIN.rest(0) is CHAIN
+    assert CHAIN.rest(1) is CHAIN.rest(1)
+    assert CHAIN.rest(1).fields == CHAIN.fields[1:]
+    assert CHAIN.rest(1).gates == CHAIN.gates[1:]
+    assert len(CHAIN.rest(2)) == 1
 
 
 def test_the_entry_is_where_the_roll_out_passes_the_gate():

@@ -4,7 +4,7 @@ from made_up_skill import crossing_chain
 from pydrake.systems.analysis import Simulator
 
 from bath_drake.composition.chain import Chain
-from bath_drake.control.staging import around_areas, remaining
+from bath_drake.control.staging import around_areas
 from bath_drake.field.obstacles import ObstacleSet
 from bath_drake.systems.stage_sequencer import StageSequencer
 
@@ -50,7 +50,7 @@ def test_it_steps_on_in_the_gates_and_never_back():
         run.show(point)
         assert run.advance() == stage
         assert run.out("navigation_field") == CHAIN.fields[stage]
-        assert run.out("remaining_chain") == remaining(CHAIN, stage)
+        assert run.out("remaining_chain") == CHAIN.rest(stage)
         assert run.out("final_stage")[0] == float(stage == 2)
 
 

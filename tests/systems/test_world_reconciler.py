@@ -4,7 +4,6 @@ from made_up_skill import crossing_chain
 from pydrake.systems.analysis import Simulator
 
 from bath_drake.control.areas import inflated
-from bath_drake.control.staging import remaining
 from bath_drake.control.world import join_areas
 from bath_drake.field.navigation import NavigationField
 from bath_drake.field.obstacles import ObstacleSet, Workspace
@@ -111,7 +110,7 @@ def test_the_next_world_is_there_before_the_gate_is_passed(dut):
     simulator = run_chain(dut, CHAIN)
     worlds = out(dut, simulator, "reconciled_worlds")
     assert [world.learned for world in worlds] == list(CHAIN.fields[:2])
-    later = remaining(CHAIN, 1)
+    later = CHAIN.rest(1)
     # Nothing is simulated: the very moment the field changes.
     run_chain(dut, later, simulator, end=0.1)
     assert out(dut, simulator, "world_status")[0] == 1.0
@@ -121,9 +120,9 @@ def test_the_next_world_is_there_before_the_gate_is_passed(dut):
 
 def test_a_field_nobody_announced_is_unsound_until_its_world_is_made(dut):
     simulator = run_chain(dut, CHAIN)
-    run_chain(dut, remaining(CHAIN, 2), simulator, end=0.1)
+    run_chain(dut, CHAIN.rest(2), simulator, end=0.1)
     assert out(dut, simulator, "world_status")[0] == 0.0
     areas = out(dut, simulator, "restricted_areas")
     assert out(dut, simulator, "reconciled_obstacles") == areas
-    run_chain(dut, remaining(CHAIN, 2), simulator, end=0.1 + PERIOD)
+    run_chain(dut, CHAIN.rest(2), simulator, end=0.1 + PERIOD)
     assert out(dut, simulator, "world_status")[0] == 1.0
