@@ -28,6 +28,8 @@ from bath_drake.systems._joint_solver import JointSolver
 from bath_drake.systems._ports import drake_vector, eval_value, eval_vector, set_vector
 
 STATUS_OK, STATUS_STUCK = 0.0, 1.0
+# An enumeration's members take long to look up, and this is asked at every step.
+_DESCEND = int(Phase.DESCEND)
 
 # Layout of the discrete state: the command, then the tracking's memory.
 _Q, _V = slice(0, 7), slice(7, 14)
@@ -193,7 +195,7 @@ class DifferentialIk(LeafSystem):
         """Stand-off and skin's own velocity; None while the nozzle is far away."""
         if not self._phase.HasValue(context):
             return None
-        if eval_vector(self._phase, context)[0] < Phase.DESCEND:
+        if eval_vector(self._phase, context)[0] < _DESCEND:
             return None
         (standoff,) = eval_vector(self._standoff, context)
         return standoff, eval_vector(self._surface_velocity, context)

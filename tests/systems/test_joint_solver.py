@@ -17,7 +17,7 @@ POSTURE = np.array(ArmConfig().posture)
 LOW, HIGH = PLANT.GetPositionLowerLimits(), PLANT.GetPositionUpperLimits()
 SPEED = 0.5 * PLANT.GetVelocityUpperLimits()
 STEP, ACCELERATION = 0.005, 20.0
-# Of both answers, rounding; Drake's solver keeps its bounds to about a thousandth, rad/s.
+# Of both answers, rounding; Drake keeps its bounds to about a thousandth, rad/s.
 SAME, KEPT = 1e-9, 2e-3
 
 
