@@ -6,6 +6,7 @@ places costs little.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -20,10 +21,10 @@ CELLS = 80
 # Smoothed over about so many cells to either side.
 BLUR = 1.0
 
-# A cell with fewer points is no skin, and so near to one, in cells, slopes are the
-# edge's.
+# A cell with fewer points is no skin. So near to one, in cells, slopes are the edge's;
+# and a cell next to one may be covered in part, its points' mean not its middle's.
 LEAST_POINTS = 3
-RIM = 2
+RIM, BESIDE = 2, 1
 
 
 def _grid() -> FloatArray:
@@ -58,6 +59,16 @@ class HeightField:
         known = binary_erosion(counts >= LEAST_POINTS, iterations=RIM)
         surface = np.stack([height, along_x, along_y], axis=-1)
         return HeightField(counts, sums, surface, known)
+
+    @cached_property
+    def whole_cells(self) -> tuple[BoolArray, FloatArray]:
+        """Which cells (CELLS, CELLS) are covered by points, and their mean heights, m.
+
+        They go a cell farther to the rim than `known`, and are not smoothed over those
+        beside them, which has the skin's slope shift them there.
+        """
+        whole = binary_erosion(self.counts >= LEAST_POINTS, iterations=BESIDE)
+        return whole, self.sums / np.maximum(self.counts, 1.0)
 
 
 def counted(p_B: FloatArray) -> FloatArray:

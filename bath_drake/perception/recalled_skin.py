@@ -47,9 +47,10 @@ def recall(body: TrackedBody, observation: BodyObservation) -> RecalledSkin:
 def _unseen(body: TrackedBody, points_W: FloatArray) -> FloatArray:
     """The known skin (n, 3) of the cells in which none of the points (m, 3) is, m."""
     seen = counted(body.pose.unbent(points_W))
-    i, j = np.nonzero(body.skin.known & (seen == 0.0))
+    whole, heights = body.skin.whole_cells
+    i, j = np.nonzero(whole & (seen == 0.0))
     x, y = (np.stack([i, j]) - CELLS // 2 + 0.5) * CELL
-    return body.pose.bent(np.column_stack([x, y, body.skin.surface[i, j, 0]]))
+    return body.pose.bent(np.column_stack([x, y, heights[i, j]]))
 
 
 @njit(cache=True)

@@ -84,6 +84,16 @@ def test_what_is_recalled_fills_the_hole_and_lies_on_the_skin(body, points, hidd
     assert np.abs(off).max() < 1e-3
 
 
+def test_it_goes_on_to_a_cell_before_the_rim(body, points):
+    # The skin ends at 0.17 m: the last whole cell but one is at 0.155 m.
+    edge = around(points, np.array([0.16, 0.0]), 0.04)
+    recalled = recall(body, frame(points[~edge], points[edge])).points_W
+    assert recalled[:, 0].max() == pytest.approx(0.155)
+    off = recalled[:, 2] - height(*recalled[:, :2].T)
+    # Of a slope of 0.4, the mean of some 25 points anywhere in a cell: 0.23 mm, rms.
+    assert np.abs(off).max() < 1.2e-3
+
+
 def test_what_something_else_hides_is_not_recalled(body, points, hidden):
     elsewhere = around(points, np.array([-0.08, 0.1]), 0.03)
     shown = points[~hidden & ~elsewhere]
