@@ -29,6 +29,8 @@ from bath_drake.patient.people import shipped_people
 HOURS = 8.0
 # Who is seen by the camera; the others are seven of the eight.
 THROUGH_THE_CAMERA = "m_avg"
+# How much longer a second takes through the camera.
+CAMERA_WORK = 3.0
 GROWTH_MB = 5.0
 # Kernels, meshes and caches are there after so many episodes in which most passed: one
 # that is held all the while needs few of them.
@@ -41,35 +43,48 @@ def run(settings: Settings, progress: Progress) -> Report:
     people = list(shipped_people())
     share = hours * 3600.0 / len(people)
     found = {person: list(_kept(settings.data, person)) for person in people}
+    workers = max(1, min(os.cpu_count() or 1, len(people)))
     with ProcessPoolExecutor(
-        max_workers=max(1, min(os.cpu_count() or 1, len(people))),
+        max_workers=workers,
         # A fork would copy what this process has loaded, and judge its growth too.
         mp_context=get_context("spawn"),
         max_tasks_per_child=1,
     ) as pool:
         running: dict[Future[list[Episode]], str] = {}
-
-        def go_on(person: str) -> None:
-            sitting, first, seconds = what_is_left(found[person], share)
-            if seconds < SHORTEST:
-                return
-            ideal = person != THROUGH_THE_CAMERA
-            task = (person, sitting, first, seconds, ideal, settings.data)
-            running[pool.submit(soak_sitting, *task)] = person
-
-        # The longest first, for the others to run beside it.
-        for person in sorted(people, key=lambda person: person != THROUGH_THE_CAMERA):
-            go_on(person)
-        while running:
+        while True:
+            for person in next_people(found, share, set(running.values())):
+                if len(running) == workers:
+                    break
+                sitting, first, seconds = what_is_left(found[person], share)
+                ideal = person != THROUGH_THE_CAMERA
+                task = (person, sitting, first, seconds, ideal, settings.data)
+                running[pool.submit(soak_sitting, *task)] = person
+            if not running:
+                break
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
-                person = running.pop(future)
-                found[person] += future.result()
-                go_on(person)
+                found[running.pop(future)] += future.result()
             soaked = sum(e.seconds for episodes in found.values() for e in episodes)
             progress("soak", min(soaked / (hours * 3600.0), 1.0))
     rows = [body_row(person, found[person]) for person in people]
     return Report(figures(hours, rows), rows)
+
+
+def next_people(
+    found: dict[str, list[Episode]], share: float, busy: set[str]
+) -> list[str]:
+    """Returns who may sit next, those of whom most is left first.
+
+    So that none is left alone at the end, with all other processors idle.
+    """
+
+    def work(person: str) -> float:
+        seconds = what_is_left(found[person], share)[2]
+        return seconds * (CAMERA_WORK if person == THROUGH_THE_CAMERA else 1.0)
+
+    due = {person: work(person) for person in found if person not in busy}
+    due = {person: left for person, left in due.items() if left >= SHORTEST}
+    return sorted(due, key=lambda person: -due[person])
 
 
 def what_is_left(episodes: list[Episode], share: float) -> tuple[int, int, float]:

@@ -44,6 +44,22 @@ def test_every_sitting_is_a_sound_scenario_and_the_same_again(ideal):
     assert len(texts) == 20
 
 
+def test_those_of_whom_most_is_left_sit_next():
+    found = {
+        "f_avg": [made_up(0, 30.0)],
+        "f_old": [made_up(0, 10.0)],
+        "f_thin": [made_up(0, 40.0)],
+        soak.THROUGH_THE_CAMERA: [made_up(0, 25.0)],
+    }
+    # The camera's seconds take three times as long; nothing of f_thin is left.
+    assert soak.next_people(found, 40.0, set()) == [
+        soak.THROUGH_THE_CAMERA,
+        "f_old",
+        "f_avg",
+    ]
+    assert soak.next_people(found, 40.0, {"f_old", "m_avg"}) == ["f_avg"]
+
+
 @pytest.fixture
 def quick_sittings(monkeypatch):
     """Sittings that take no time, in this very process; yields what was run."""

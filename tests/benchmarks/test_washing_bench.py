@@ -27,12 +27,13 @@ FORCE = {
 FELT = METRICS | {"force": FORCE, "touched_skin_mm": {"mean": 0.7, "max": 3.0}}
 
 
-def rows(**changes):
+def rows(changed="wash_contact", **changes):
     """Two people, all well, but for what is changed of the second's contact."""
     found = []
     for person, more in (("f_avg", {}), ("m_avg", changes)):
-        for name in washing.SCENARIOS:
-            metrics = FELT | more if name == "wash_contact" else METRICS
+        for name in (*washing.SCENARIOS, washing.SEEN):
+            metrics = FELT if name.startswith("wash_contact") else METRICS
+            metrics = metrics | more if name == changed else metrics
             found.append(washing.row_of(name, person, metrics))
     return found
 
@@ -57,6 +58,15 @@ def test_all_well_misses_nothing():
 )
 def test_the_worst_of_everybody_counts_and_so_does_what_is_missing(changes, name):
     assert missed(rows(**changes)) == [name]
+
+
+def test_contact_through_the_camera_is_told_apart():
+    found = rows(washing.SEEN, force=FORCE | {"contact_share": 0.6})
+    assert missed(found) == ["seen_contact_share"]
+    quick = [row for row in found if row["scenario"] != washing.SEEN]
+    names = [figure.name for figure in washing.figures(quick)]
+    assert missed(quick) == []
+    assert not any("seen" in name for name in names)
 
 
 def test_a_row_holds_plain_values():
