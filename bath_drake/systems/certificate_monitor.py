@@ -111,9 +111,11 @@ class CertificateMonitor(LeafSystem):
         worlds: tuple[CertifiedWorld, ...] = state.get_value()
         return worlds
 
-    def _in_force(self, context: Any) -> CertifiedWorld:
+    def _in_force(
+        self, context: Any, driven: NavigationField | None = None
+    ) -> CertifiedWorld:
         worlds = self._certified(context)
-        return certified_of(worlds, self._driven(context)) or worlds[0]
+        return certified_of(worlds, driven or self._driven(context)) or worlds[0]
 
     def _driven(self, context: Context) -> NavigationField:
         field = eval_value(self._field, context, NavigationField)
@@ -148,9 +150,9 @@ class CertificateMonitor(LeafSystem):
         set_vector(output, self._in_force(context).start)
 
     def _calc_status(self, context: Any, output: BasicVector) -> None:
-        sound = self._in_force(context).proves(
-            self._driven(context), eval_vector(self._p_NQ, context)
-        )
+        driven = self._driven(context)
+        point = eval_vector(self._p_NQ, context)
+        sound = self._in_force(context, driven).proves(driven, point)
         if self._reconciled.HasValue(context):
             sound = sound and eval_scalar(self._reconciled, context) > 0.5
         output.SetAtIndex(0, float(sound))

@@ -71,10 +71,10 @@ class DifferentialIk(LeafSystem):
 
     The turn about the jet is not followed: a round jet has no roll, and free it keeps
     the wrist off its limits. Drake's DoDifferentialInverseKinematics keeps the
-    direction of the wanted velocity and stays within joint limits; the pose error is
-    turned into that velocity with a bounded gain, speed, acceleration and jerk. With
-    `obstacles` (`bath_drake.safety.obstacles.Boxes` in the arm's base frame) the null
-    space keeps the links off them, and no link nears one but slowly; see
+    direction of the wanted velocity and stays within joint limits (where none binds its
+    solution is found without it); the pose error is turned into that velocity with a
+    bounded gain, speed, acceleration and jerk. With `obstacles`
+    (`bath_drake.safety.obstacles.Boxes` in the arm's base frame) the null space keeps the links off them, and no link nears one but slowly; see
     `bath_drake.control.avoidance`.
     """
 

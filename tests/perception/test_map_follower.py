@@ -33,11 +33,20 @@ def back_points(rng, count=12000, hump=0.02):
 TILT = Rotation.from_euler("x", 60.0, degrees=True)
 
 
-def seen(k, rng, *, turn=(0, 0, 0), shift=(0, 0, 0), ends=(-0.24, 0.24), hump=0.02):
+def seen(
+    k,
+    rng,
+    *,
+    turn=(0, 0, 0),
+    shift=(0, 0, 0),
+    ends=(-0.24, 0.24),
+    hump=0.02,
+    noise=0.001,
+):
     """Frame k of a back that was moved, the mask of which ends at some heights."""
     points = back_points(rng, hump=hump)
     points = points[(points[:, 1] > ends[0]) & (points[:, 1] < ends[1])]
-    points[:, 2] += 0.001 * rng.standard_normal(len(points))
+    points[:, 2] += noise * rng.standard_normal(len(points))
     R = Rotation.from_rotvec(turn) * TILT
     points_W = R.apply(points) + shift
     areas = np.full(len(points), 1e-5)
@@ -105,6 +114,19 @@ def test_where_skin_comes_and_goes_at_an_end_the_skin_is_followed_not_the_box(rn
     assert shifts["affine"] > 0.006
     # What the outline still says of the slide along the skin.
     assert shifts["tracked"] < 0.5 * shifts["affine"]
+
+
+def test_a_camera_as_noisy_as_ever_goes_on_being_believed(rng):
+    # Of the 6 mm that count as on the skin, two thirds of a deviation: at first 83 % of
+    # the surface lie within, a little less against the skin of many frames.
+    noisy = [seen(k, rng, noise=0.0043) for k in range(50)]
+    noisier = [seen(50 + k, rng, noise=0.0055) for k in range(30)]
+    known = follow(tracked_follower(), noisy + noisier)
+    assert known.gate.rejected == 0
+    assert 0.8 < known.body.agreement < 0.9
+    # One that was clear is another body's if it suddenly is not.
+    clear = [seen(k, rng) for k in range(50)]
+    assert follow(tracked_follower(), clear + noisier).gate.rejected > 20
 
 
 def test_after_the_first_seconds_the_box_keeps_its_size(rng):
