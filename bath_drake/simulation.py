@@ -73,7 +73,7 @@ def run(
         # Outside the clock: no loop needs them.
         due = start + len(keyframes) * _KEYFRAME_PERIOD_S + _CHUNK_S
         if outcome or now >= due - 1e-9:
-            keyframes.append(_keyframe(diagram, context))
+            keyframes.append(_keyframe(diagram, context, scenario))
         if progress is not None:
             progress(now - start, scenario.duration)
     return _collect(diagram, context, scenario, wall_time, keyframes, worlds, outcome)
@@ -97,17 +97,22 @@ def _output(diagram: Diagram, context: Context, system: str, port: str) -> Any:
     return subsystem.GetOutputPort(port).Eval(subsystem.GetMyContextFromRoot(context))
 
 
-def _keyframe(diagram: Diagram, context: Context) -> dict[str, Any]:
+def _keyframe(
+    diagram: Diagram, context: Context, scenario: Scenario
+) -> dict[str, Any]:
     observation = _output(diagram, context, "body_segmenter", "body_observation")
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
-    colour, depth = _images(diagram, context, observation.mask.shape)
+    shape = scenario.scene.camera.height, scenario.scene.camera.width
+    colour, depth = _images(diagram, context, shape)
+    # Before the first frame, which may be lost, there are no masks.
+    nothing = np.zeros(shape, dtype=bool)
     return {
         "time": context.get_time(),
         "colour": colour,
         "depth": depth,
-        "mask": observation.mask,
-        "robot": observation.robot_mask,
+        "mask": observation.mask if observation.mask.size else nothing,
+        "robot": observation.robot_mask if observation.robot_mask.size else nothing,
         "map": _map_row(canonical_map),
         "areas": areas.theta,
         "world": _packed_world(diagram, context),

@@ -11,6 +11,8 @@ from bath_drake.perception.colour_noise import ColourNoiseConfig
 from bath_drake.perception.faults import FrameFault, LateFault
 from bath_drake.safety.reasons import Reason
 from bath_drake.scenario import load_scenario
+from bath_drake.simulation import run
+from bath_drake.verification import evaluate
 
 FRAME = 1.0 / 30.0
 
@@ -111,3 +113,19 @@ def test_colour_noise_is_one_more_system_on_its_way():
         "camera.color_image -> colour_noise.colour_image",
         "colour_noise.noisy_colour_image -> body_segmenter.colour_image",
     }
+
+
+@pytest.mark.render
+def test_a_run_whose_first_frames_are_lost_is_kept_and_judged():
+    scenario = quiet_scenario()
+    scenario.duration = 0.5
+    scenario.scene.camera.faults.loss = FrameFault(begin=0.0, end=0.25)
+    skill = made_up_skill()
+    log = run(build_reproduction(scenario, skill), scenario)
+    camera = scenario.scene.camera
+    assert log.keyframe_mask.shape == (2, camera.height, camera.width)
+    # No frame by the first key frame: nothing is seen yet, and the robot holds.
+    assert not log.keyframe_mask[0].any()
+    assert log.keyframe_mask[1].any()
+    assert log.guard_mode[log.time < 0.25].all()
+    assert evaluate(log, scenario, skill).metrics["verdict"] == "fail"
