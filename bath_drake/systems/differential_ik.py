@@ -74,7 +74,8 @@ class DifferentialIk(LeafSystem):
     direction of the wanted velocity and stays within joint limits (where none binds its
     solution is found without it); the pose error is turned into that velocity with a
     bounded gain, speed, acceleration and jerk. With `obstacles`
-    (`bath_drake.safety.obstacles.Boxes` in the arm's base frame) the null space keeps the links off them, and no link nears one but slowly; see
+    (`bath_drake.safety.obstacles.Boxes` in the arm's base frame) the null space keeps
+    the links off them, and no link nears one but slowly; see
     `bath_drake.control.avoidance`.
     """
 
