@@ -97,9 +97,7 @@ def _output(diagram: Diagram, context: Context, system: str, port: str) -> Any:
     return subsystem.GetOutputPort(port).Eval(subsystem.GetMyContextFromRoot(context))
 
 
-def _keyframe(
-    diagram: Diagram, context: Context, scenario: Scenario
-) -> dict[str, Any]:
+def _keyframe(diagram: Diagram, context: Context, scenario: Scenario) -> dict[str, Any]:
     observation = _output(diagram, context, "body_segmenter", "body_observation")
     canonical_map = _output(diagram, context, "canonical_projector", "canonical_map")
     areas = _output(diagram, context, "restricted_area_detector", "sensed_obstacles")
